@@ -1,4 +1,5 @@
-//! What is remembered of a recording that is to be smoothed: far less than its samples, and few covariances.
+//! What is remembered of a recording that is to be smoothed: a block's means and corrections, about half as many bytes as its samples
+//! have, and few covariances.
 
 use alloc::vec::Vec;
 

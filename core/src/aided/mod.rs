@@ -13,7 +13,7 @@
 //! | `bending` | what errors have done to attitude and velocity in second order |
 //! | [`correction`] | what a measurement does: errors found, and what they have bent |
 //! | [`filter`] | their covariance, and the gain of a measurement |
-//! | [`bound`] | what aids leave open at best, the sensor standing still |
+//! | [`bound`] | what aids leave open just before the next comes, the sensor standing still |
 //! | [`aid`] | what a measurement is, and the one of a state at rest |
 //! | [`rest`] | whether the sensor is at rest, from its channels |
 //! | `steer` | a decoupler's rate and attitude changed in mid-stream |

@@ -14,9 +14,9 @@ use crate::limb_set::LimbSet;
 const BLOCKS: usize = 24;
 /// The last of them, where a motion that begins shows first.
 const LAST: usize = 4;
-/// Mean square of the blocks' means about their mean, over that of noise, up to which they are alike: with nine channels of 24 blocks (or six: some are excluded)
-/// noise leaves that less than once in a million times, and noise whose deviation is a fifth larger than it is said to be in one look of
-/// eight.
+/// Mean square of the blocks' means about their mean, over that of noise, up to which they are alike. By the chi-square distribution noise exceeds that
+/// in 1e-7 of looks at nine channels of 24 blocks, and in 1e-5 at six, where three are excluded; noise whose deviation is a fifth larger than it
+/// is said to be in one look of eight, or of six.
 const ALIKE: f64 = 1.6;
 /// Squared difference of the last blocks' mean from that of the others, over its variance, summed up over channels: chance exceeds
 /// that once in two thousand times, which costs a rest.

@@ -1,7 +1,7 @@
 //! Step 4: k/m from pure linear motion above the threshold, where the true w* is zero: eq. (20), Fig. 10.
 //!
 //! The search decodes the same trials for each k/m on a grid and takes the one with the smallest mean |w*|. All of
-//! the effect comes from the motion of the mass in the shell, a millionth of the torque balance: scale factors must
+//! the effect comes from the motion of the mass in the shell, some four millionths of the torque balance: scale factors must
 //! be right against each other to some hundred-thousandths before the minimum means anything. [`judge`] says when it does not.
 
 use super::{Reason, Verdict};

@@ -2,7 +2,8 @@
 //!
 //! A program for any x86-64 has registers of two numbers. Three components in one register halve the instructions of a sample, so
 //! a decoupler keeps its constants in that form, too, if there are registers of four. Products are not fused, and additions are in
-//! the same order: the same program gives the same bits on every processor.
+//! the same order: the same program gives the same bits in either width. What lies beyond the series, rotations of
+//! 0.1 rad a sample and more, has sine and cosine of the system's library, which may choose by processor.
 
 #[cfg(all(feature = "std", target_arch = "x86_64", not(target_feature = "avx")))]
 mod avx2;

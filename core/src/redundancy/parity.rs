@@ -8,7 +8,8 @@
 //! ```
 //!
 //! and the forces do as far as the limbs are equally stiff. The left sides are the three parity rows: zero except for noise
-//! while no limb has failed. [`super::residual()`] keeps their second order, which is a millionth of a force at 9 g.
+//! while no limb has failed. [`super::residual()`] keeps their second order, which is one to three hundred-thousandths of the
+//! largest force at 9 g.
 //!
 //! A limb that fails shows along its own column of the rows, its [`SIGNATURES`]. Limbs 1, 5 and 9 each have a signature of
 //! their own; 2 and 4, 3 and 7, 6 and 8 share one ([`AMBIGUOUS_PAIRS`]), and no force

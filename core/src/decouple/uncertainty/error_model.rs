@@ -8,7 +8,7 @@
 //! ```
 //!
 //! [`super::samples`] carries that from sample to sample by the decoupler's own scheme, and [`crate::aided::model`] over blocks of
-//! samples. Neglected is compliance, a millionth at 5 Hz.
+//! samples. Neglected is compliance, some six millionths of the largest force at 5 Hz.
 
 use glam::{DMat3, DVec3};
 use nalgebra::SMatrix;

@@ -13,8 +13,8 @@
 //! The preprocessing between raw samples and rows is linear, too; its transposes are in `dsp::transposed`.
 //!
 //! First order leaves out what noise does twice: it biases an estimate by the square of the noise over the signal, 1e-6 at
-//! 60 dB. Compliance enters where noise is differentiated twice, and not in the sensitivities, which below 5 Hz it changes
-//! by a millionth.
+//! 60 dB. Compliance enters where noise is differentiated twice, and not in the sensitivities, which it changes by some
+//! six millionths at 5 Hz.
 
 pub mod error_model;
 pub mod influence;

@@ -1,9 +1,9 @@
 //! k/m from a tap: the shell is held by the rig and tapped, and the mass rings in it.
 //!
-//! In the band of step 4, k/m contributes a millionth of the torques. The six modes of the mass, at 2 to 7 kHz, depend on it
+//! In the band of step 4, k/m contributes some four millionths of the torques. The six modes of the mass, at 2 to 7 kHz, depend on it
 //! directly: one of them, of the design at 4.85 kHz, is a translation and lies at sqrt(3 k/m) whatever I/m is, the others mix both. A tap of a tenth of a millisecond excites
-//! all six, and some milliseconds of free decay in nine channels determine k/m at 1 % noise to 6e-4 where modes are damped by 2 %, and to
-//! 1e-4 where they are by 0.5 % (root mean square).
+//! all six, and some milliseconds of free decay in nine channels determine k/m at 1 % noise to 6e-4 where a limb
+//! has 2 % of what is critical under the whole mass (the modes then have 2 to 5 %), and to 1e-4 where it has 0.5 % (root mean square).
 //!
 //! [`model`] is the decay and its derivatives, `fit` the least squares, `onset` finds the beginning and the useful length of the
 //! decay, `evidence` tests the residuals.

@@ -45,7 +45,8 @@ pub struct Drifted {
 /// Names the limbs that have drifted; `calibration` is the covariance of the calibration's ln scale factors, whose common error
 /// drops out, or zeros to take the calibration for exact.
 ///
-/// A set is accepted where chance leaves as much in `false_alarm` of cases: so often a sensor without drift is said to have one.
+/// A set is accepted where chance leaves as much in `false_alarm` of cases: so often a sensor without drift is said to have one, where the covariance holds.
+/// That of short records is a little narrow: of 2 s, 1.2 to 1.4 times as often (2,997 simulated records).
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for a rate that is none or a covariance that is none.

@@ -5,7 +5,7 @@
 //! a block is lost, which costs information and nothing else: the equations are linear but for their second order, whose
 //! mean is taken at the mean.
 //!
-//! The second order is known well enough from the calibration that is to be checked: it is a millionth of a force, and a scale
+//! The second order is known well enough from the calibration that is to be checked: it is some hundred-thousandths of a force, and a scale
 //! factor that is off by a per cent changes it by a per cent of that.
 
 use nalgebra::{SMatrix, SVector};

@@ -13,9 +13,10 @@ pub struct Limits {
     /// Largest standard deviation of any combination of ln ratios (of unit length). The noise itself counts as excitation of
     /// the fourth root of the number of blocks: at a hundredth it would take 1e8 of them, twelve days, to pass for signal.
     pub largest_deviation: f64,
-    /// Least signal along any combination over that along the best told one. What the model neglects, crosstalk and limbs that are
-    /// not alike, is a millionth to a hundred-thousandth of a force: where less than a thousandth of one shows a ratio, they would
-    /// be taken for it.
+    /// Least signal along any combination over that along the best told one. Limbs that tilt leave some hundred-thousandths of a force
+    /// that the model does not know: where less than a thousandth of one shows a ratio, they would count for a per cent of it. It does not
+    /// protect from cross-talk or limbs unequally stiff, a thousandth to a hundredth of a force: what a joint fit has not undone of them
+    /// goes into the ratios.
     pub least_excitation: f64,
 }
 

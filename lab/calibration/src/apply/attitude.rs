@@ -140,7 +140,7 @@ impl AttitudeStream {
         new
     }
 
-    /// What its aids leave open at best.
+    /// What its aids leave open before the next.
     pub fn bounded_by(&mut self, bound: Option<Bound>) {
         self.summary.bounded_by(bound);
     }

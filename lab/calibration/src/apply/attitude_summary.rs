@@ -36,7 +36,7 @@ pub struct AttitudeSummary {
     pub sd_tilt_deg: f64,
     /// Of the rate, all components together, rad/s.
     pub sd_rate_rad_s: f64,
-    /// Of gravity's direction at best: in the steady state of a sensor that stands still, its parameters exact, under the same velocities
+    /// Of gravity's direction just before an aid: in the steady state of a sensor that stands still, its parameters exact, under the same velocities
     /// and attitudes; none where there is no steady state.
     pub bound_tilt_deg: Option<f64>,
     /// Of the rate across the plumb line there, rad/s.

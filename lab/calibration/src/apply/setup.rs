@@ -248,7 +248,7 @@ impl Setup {
         Ok((filter, noise.white_v))
     }
 
-    /// What aids that come again and again leave open at best, each with the time from one to the next, s.
+    /// What aids that come again and again leave open before the next, each with the time from one to the next, s.
     ///
     /// # Errors
     /// As [`Self::uncertainty`].

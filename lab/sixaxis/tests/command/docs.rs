@@ -1,6 +1,7 @@
 //! README and docs say what the program does: every `sixaxis` command in a block of `sh` is run, cargo commands name what there is, every path and link
 //! exists, and figures that were published are the published ones.
 
+#[cfg(feature = "harness")]
 mod field;
 mod figures;
 mod speeds;

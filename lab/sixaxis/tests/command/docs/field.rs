@@ -1,5 +1,7 @@
 //! Figures of the studies that docs/field.md rests on, as it and README have them.
 
+use sixaxis_props::blind::share::Share;
+
 use super::figures::extremes;
 use super::{on_one_line, published};
 
@@ -61,18 +63,19 @@ fn the_figures_from_the_field_are_the_published_ones() {
     let isolated = |failure: &serde_json::Value| {
         let of = |key: &str| failure["isolated"][key].as_u64().expect(key);
         let (right, all) = (of("right"), of("right") + of("wrong") + of("open"));
-        (
-            100.0 * right as f64 / all as f64,
-            [right, all].map(with_comma),
-        )
+        let share = Share::new(right as usize, all as usize);
+        let between = [share.low_95, share.high_95].map(|end| 100.0 * end);
+        (100.0 * share.value(), [right, all].map(with_comma), between)
     };
     let hardest = |of: &str| {
         let all = detection[of].as_array().expect(of).iter();
         let shares = all.filter(of_one_size).map(|failure| {
-            let (share, counts) = isolated(failure);
-            (share, counts, failure["kind"].as_str().unwrap_or_default())
+            (
+                isolated(failure),
+                failure["kind"].as_str().unwrap_or_default(),
+            )
         });
-        let least = shares.min_by(|a, b| a.0.total_cmp(&b.0));
+        let least = shares.min_by(|a, b| a.0.0.total_cmp(&b.0.0));
         least.expect("failures")
     };
     let small = detection["kinds"].as_array().expect("kinds").iter();
@@ -80,11 +83,11 @@ fn the_figures_from_the_field_are_the_published_ones() {
         .filter(|failure| failure["sigmas"] == 2.0)
         .map(|failure| (failure["kind"] == "noise_burst", isolated(failure)));
     let (bursts, others): (Vec<_>, Vec<_>) = small.partition(|(burst, _)| *burst);
-    let other = others.iter().map(|(_, (share, _))| *share);
+    let other = others.iter().map(|(_, (share, ..))| *share);
     let other = other.fold(100.0, f64::min);
-    let (_, [group, group_of], _) = hardest("classes");
-    let (_, [kind, kind_of], hardest_kind) = hardest("kinds");
-    let [burst, burst_of] = &bursts[0].1.1;
+    let ((_, [group, group_of], [group_low, group_high]), _) = hardest("classes");
+    let ((_, [kind, kind_of], [kind_low, kind_high]), hardest_kind) = hardest("kinds");
+    let (_, [burst, burst_of], [burst_low, burst_high]) = &bursts[0].1;
     assert_eq!(hardest_kind, "noise_burst");
     let nine = sets["healthy_largest_error"]
         .as_array()
@@ -105,9 +108,13 @@ fn the_figures_from_the_field_are_the_published_ones() {
             ratios("error_ratio_consistent")
         ),
         format!("nine limbs err by {nine_low:.1} to {nine_high:.1} % of full scale"),
-        format!("each group was isolated in at least {group} of {group_of} cases"),
-        format!("a burst of noise, in {kind} of {kind_of} ("),
-        format!("At two standard deviations such a burst is isolated in {burst} of {burst_of} ("),
+        format!(
+            "each group was isolated in at least {group} of {group_of} cases ({group_low:.1} to {group_high:.1} %, "
+        ),
+        format!("a burst of noise, in {kind} of {kind_of} ({kind_low:.1} to {kind_high:.1} %)"),
+        format!(
+            "At two standard deviations such a burst is isolated in {burst} of {burst_of} ({burst_low:.0} to {burst_high:.0} %)"
+        ),
         format!(
             "the other kinds in at least {:.1} %",
             (10.0 * other).floor() / 10.0
