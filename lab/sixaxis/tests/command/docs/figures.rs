@@ -491,7 +491,7 @@ fn the_campaigns_in_the_docs_are_the_published_ones() {
             joint["scatter"].as_f64().expect("a scatter"),
         ),
         format!(
-            "to {:.0} × 10⁻⁴ rms (`props/results/tap.json`, {} taps with {:.0} % noise, {:.0} % damping, {:.0} kHz)",
+            "to {:.0} × 10⁻⁴ rms (`props/results/tap.json`, {} taps with {:.0} % noise, limbs damped by {:.0} % of what is critical under the whole mass, {:.0} kHz)",
             1e4 * damped["rms_error_ln"].as_f64().expect("an error"),
             damped["taps"],
             100.0 * tap["noise_over_peak"].as_f64().expect("noise"),
