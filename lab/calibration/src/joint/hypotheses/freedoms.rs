@@ -7,8 +7,8 @@ use core::f64::consts::TAU;
 
 use rayon::prelude::*;
 use sixaxis_core::LIMBS;
-use sixaxis_core::identify::joint::Known;
 use sixaxis_core::identify::joint::unknowns::AMPLIFIER_CORNER;
+use sixaxis_core::identify::joint::{Certificates, Known};
 
 use super::Unaccounted;
 use crate::finding::{Cause, Finding};
@@ -26,56 +26,32 @@ const BEYOND_DOUBT: f64 = 30.0;
 /// worth a word. Converters that take their channels in turn do less.
 const WORTH_A_WORD: f64 = 1e-3;
 
-/// A freedom.
-struct Freedom {
-    /// With it, if the session leaves room for it.
-    freed: fn(&Unaccounted<'_>) -> Option<Knowledge>,
-    /// What is said of it, by the fit, what the session says, what is taken instead, and the slowest and the fastest drive, rad/s; none if
-    /// its unknown is not told beyond doubt.
-    finding: fn(&JointReport, [&Knowledge; 2], [f64; 2]) -> Option<Finding>,
-}
+/// Frees what the session says of standards and channels, if it leaves room for that.
+type Freed = fn(&Unaccounted<'_>, &mut Certificates) -> Option<()>;
+/// What is said of it, by the fit, what the session says, what is taken instead, and the slowest and the fastest drive, rad/s; none if
+/// its unknown is not told beyond doubt.
+type Told = fn(&JointReport, [&Knowledge; 2], [f64; 2]) -> Option<Finding>;
 
-const FREEDOMS: [Freedom; 10] = [
-    Freedom {
-        freed: high_pass,
-        finding: amplifier,
-    },
-    Freedom {
-        freed: no_high_pass,
-        finding: no_amplifier,
-    },
-    Freedom {
-        freed: standards::lag,
-        finding: standards::gyroscope,
-    },
-    Freedom {
-        freed: standards::gyroscope_delay,
-        finding: standards::delayed_gyroscope,
-    },
-    Freedom {
-        freed: standards::gyroscope_delay_alone,
-        finding: standards::delayed_gyroscope,
-    },
-    Freedom {
-        freed: standards::no_accelerometer_lag,
-        finding: standards::accelerometer,
-    },
-    Freedom {
-        freed: standards::accelerometer_lag,
-        finding: standards::late_accelerometer,
-    },
-    Freedom {
-        freed: standards::accelerometer_delay,
-        finding: standards::delayed_accelerometer,
-    },
-    Freedom {
-        freed: standards::accelerometer_delay_alone,
-        finding: standards::delayed_accelerometer,
-    },
-    Freedom {
-        freed: delays,
-        finding: late_channels,
-    },
+const FREEDOMS: [(Freed, Told); 10] = [
+    (high_pass, amplifier),
+    (no_high_pass, no_amplifier),
+    (standards::lag, standards::gyroscope),
+    (standards::gyroscope_delay, standards::delayed_gyroscope),
+    (
+        standards::gyroscope_delay_alone,
+        standards::delayed_gyroscope,
+    ),
+    (standards::no_accelerometer_lag, standards::accelerometer),
+    (standards::accelerometer_lag, standards::late_accelerometer),
+    (
+        standards::accelerometer_delay,
+        standards::delayed_accelerometer,
+    ),
+    (
+        standards::accelerometer_delay_alone,
+        standards::delayed_accelerometer,
+    ),
+    (delays, late_channels),
 ];
 
 /// The freedoms that account for all trials.
@@ -112,11 +88,12 @@ fn with_fits_that(
         drives().fold(f64::INFINITY, f64::min),
         drives().fold(0.0, f64::max),
     ];
-    let of = |freedom: &Freedom| {
-        let freed = (freedom.freed)(day)?;
+    let of = |(free, told): &(Freed, Told)| {
+        let mut freed = *day.knowledge;
+        free(day, &mut freed.certificates)?;
         let joint = day.fit(&trials, &rest, &day.start, &freed)?;
         let joint = Some(joint).filter(&will_do)?;
-        (freedom.finding)(&joint, [day.knowledge, &freed], drives_rad_s)
+        told(&joint, [day.knowledge, &freed], drives_rad_s)
     };
     FREEDOMS.par_iter().filter_map(of).collect()
 }
@@ -139,12 +116,10 @@ fn about((value, deviation): (f64, f64)) -> Known {
     Known { value, deviation }
 }
 
-fn high_pass(day: &Unaccounted<'_>) -> Option<Knowledge> {
-    let knowledge = day.knowledge;
-    let mut freed = *knowledge;
-    let stated = &mut freed.certificates.amplifier_corner_rad_s;
-    let free = about((TAU * CORNER_HZ.0, TAU * CORNER_HZ.1));
-    stated.replace(free).is_none().then_some(freed)
+fn high_pass(_: &Unaccounted<'_>, free: &mut Certificates) -> Option<()> {
+    let anywhere = about((TAU * CORNER_HZ.0, TAU * CORNER_HZ.1));
+    let stated = free.amplifier_corner_rad_s.replace(anywhere);
+    stated.is_none().then_some(())
 }
 
 /// A corner too low for its lead to show lends each channel a straight line of its own, which other things have as well.
@@ -167,11 +142,8 @@ fn amplifier(
     ))
 }
 
-fn no_high_pass(day: &Unaccounted<'_>) -> Option<Knowledge> {
-    let knowledge = day.knowledge;
-    let mut freed = *knowledge;
-    let stated = freed.certificates.amplifier_corner_rad_s.take();
-    stated.map(|_| freed)
+fn no_high_pass(_: &Unaccounted<'_>, free: &mut Certificates) -> Option<()> {
+    free.amplifier_corner_rad_s.take().map(|_| ())
 }
 
 fn no_amplifier(_: &JointReport, [stated, _]: [&Knowledge; 2], _: [f64; 2]) -> Option<Finding> {
@@ -185,11 +157,9 @@ fn no_amplifier(_: &JointReport, [stated, _]: [&Knowledge; 2], _: [f64; 2]) -> O
     ))
 }
 
-fn delays(day: &Unaccounted<'_>) -> Option<Knowledge> {
-    let knowledge = day.knowledge;
-    let mut freed = *knowledge;
-    freed.certificates.channel_delay_s = DELAY_S;
-    Some(freed)
+fn delays(_: &Unaccounted<'_>, free: &mut Certificates) -> Option<()> {
+    free.channel_delay_s = DELAY_S;
+    Some(())
 }
 
 /// Channels that are behind the standards or ahead of them. One clock for all nine is the standards' to be late.

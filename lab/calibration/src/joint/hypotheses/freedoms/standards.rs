@@ -2,6 +2,7 @@
 
 use core::f64::consts::TAU;
 
+use sixaxis_core::identify::joint::Certificates;
 use sixaxis_core::identify::joint::unknowns::GYROSCOPE_LAG;
 
 use super::{BEYOND_DOUBT, about, known, told};
@@ -24,11 +25,9 @@ const AS_STATED: f64 = 0.02;
 const LINEAR: [Role; 2] = [Role::Linear, Role::HighFrequencyLinear];
 const ANGULAR: [Role; 1] = [Role::Angular];
 
-pub(super) fn lag(day: &Unaccounted<'_>) -> Option<Knowledge> {
-    let knowledge = day.knowledge;
-    let mut freed = *knowledge;
-    freed.certificates.gyroscope_lag_s = Some(about(LAG_S));
-    Some(freed)
+pub(super) fn lag(_: &Unaccounted<'_>, free: &mut Certificates) -> Option<()> {
+    free.gyroscope_lag_s = Some(about(LAG_S));
+    Some(())
 }
 
 pub(super) fn gyroscope(
@@ -75,11 +74,8 @@ fn behind(lag_s: f64) -> String {
     )
 }
 
-pub(super) fn no_accelerometer_lag(day: &Unaccounted<'_>) -> Option<Knowledge> {
-    let knowledge = day.knowledge;
-    let mut freed = *knowledge;
-    let stated = core::mem::take(&mut freed.certificates.accelerometer_lag_s);
-    (stated > 0.0).then_some(freed)
+pub(super) fn no_accelerometer_lag(_: &Unaccounted<'_>, free: &mut Certificates) -> Option<()> {
+    (core::mem::take(&mut free.accelerometer_lag_s) > 0.0).then_some(())
 }
 
 pub(super) fn accelerometer(
@@ -98,15 +94,13 @@ pub(super) fn accelerometer(
 }
 
 /// The accelerometer behind, by what the linear trials show, where the gyroscope is not.
-pub(super) fn accelerometer_lag(day: &Unaccounted<'_>) -> Option<Knowledge> {
-    let mut freed = *day.knowledge;
-    let stated = core::mem::take(&mut freed.certificates.accelerometer_lag_s);
+pub(super) fn accelerometer_lag(day: &Unaccounted<'_>, free: &mut Certificates) -> Option<()> {
+    let stated = free.accelerometer_lag_s;
     // The time constant of a first-order lag, which a sine shows as a smaller delay.
-    freed.certificates.accelerometer_lag_s =
-        late_alone(day, [&LINEAR, &ANGULAR], stated, |omega, lag_s| {
-            (omega * lag_s).tan() / omega
-        })?;
-    (stated == 0.0 && freed.certificates.accelerometer_lag_s > 0.0).then_some(freed)
+    free.accelerometer_lag_s = late_alone(day, [&LINEAR, &ANGULAR], stated, |omega, lag_s| {
+        (omega * lag_s).tan() / omega
+    })?;
+    (stated == 0.0 && free.accelerometer_lag_s > 0.0).then_some(())
 }
 
 pub(super) fn late_accelerometer(
@@ -125,39 +119,36 @@ pub(super) fn late_accelerometer(
 }
 
 /// Late at every frequency alike, beside what the session says.
-pub(super) fn accelerometer_delay(day: &Unaccounted<'_>) -> Option<Knowledge> {
-    let mut freed = *day.knowledge;
-    freed.certificates.standard_delay_s[0] =
-        late_alone(day, [&LINEAR, &ANGULAR], 0.0, |_, lag_s| lag_s)?;
-    Some(freed)
+pub(super) fn accelerometer_delay(day: &Unaccounted<'_>, free: &mut Certificates) -> Option<()> {
+    free.standard_delay_s[0] = late_alone(day, [&LINEAR, &ANGULAR], 0.0, |_, lag_s| lag_s)?;
+    Some(())
 }
 
 /// The same instead of the lag that the session says.
-pub(super) fn accelerometer_delay_alone(day: &Unaccounted<'_>) -> Option<Knowledge> {
-    let mut freed = *day.knowledge;
-    let stated_s = core::mem::take(&mut freed.certificates.accelerometer_lag_s);
-    freed.certificates.standard_delay_s[0] =
-        late_alone(day, [&LINEAR, &ANGULAR], stated_s, |_, lag_s| lag_s)?;
-    (stated_s > 0.0).then_some(freed)
+pub(super) fn accelerometer_delay_alone(
+    day: &Unaccounted<'_>,
+    free: &mut Certificates,
+) -> Option<()> {
+    let stated_s = core::mem::take(&mut free.accelerometer_lag_s);
+    free.standard_delay_s[0] = late_alone(day, [&LINEAR, &ANGULAR], stated_s, |_, lag_s| lag_s)?;
+    (stated_s > 0.0).then_some(())
 }
 
 /// The same of the gyroscope, about what the angular trials show: the fit knows its lag better, and so short a lag is as good as a delay.
-pub(super) fn gyroscope_delay(day: &Unaccounted<'_>) -> Option<Knowledge> {
-    let mut freed = *day.knowledge;
-    freed.certificates.standard_delay_s[1] =
-        late_alone(day, [&ANGULAR, &LINEAR], 0.0, |_, lag_s| lag_s)?;
-    let stated = &mut freed.certificates.gyroscope_lag_s;
-    *stated = stated.or(Some(about((SHORTEST_LAG_S, LAG_S.1))));
-    Some(freed)
+pub(super) fn gyroscope_delay(day: &Unaccounted<'_>, free: &mut Certificates) -> Option<()> {
+    free.standard_delay_s[1] = late_alone(day, [&ANGULAR, &LINEAR], 0.0, |_, lag_s| lag_s)?;
+    free.gyroscope_lag_s
+        .get_or_insert(about((SHORTEST_LAG_S, LAG_S.1)));
+    Some(())
 }
 
-pub(super) fn gyroscope_delay_alone(day: &Unaccounted<'_>) -> Option<Knowledge> {
-    let mut freed = *day.knowledge;
-    let stated = freed.certificates.gyroscope_lag_s?;
-    freed.certificates.standard_delay_s[1] =
-        late_alone(day, [&ANGULAR, &LINEAR], stated.value, |_, lag_s| lag_s)?;
-    freed.certificates.gyroscope_lag_s = Some(about((SHORTEST_LAG_S, LAG_S.1)));
-    Some(freed)
+pub(super) fn gyroscope_delay_alone(day: &Unaccounted<'_>, free: &mut Certificates) -> Option<()> {
+    let stated_s = free
+        .gyroscope_lag_s
+        .replace(about((SHORTEST_LAG_S, LAG_S.1)))?
+        .value;
+    free.standard_delay_s[1] = late_alone(day, [&ANGULAR, &LINEAR], stated_s, |_, lag_s| lag_s)?;
+    Some(())
 }
 
 /// What a standard is late by in the middle of its own trials, s, if the other one is not in the middle of the others, as `what` measures
