@@ -18,7 +18,7 @@ const FEWEST_PER_PERIOD: f64 = 20.0;
 /// Trials of a step: three directions at least.
 const TRIALS_PER_STEP: RangeInclusive<usize> = 3..=1000;
 /// Bits of a converter: a double has no more.
-const MOST_BITS: u32 = 52;
+const MOST_BITS: f64 = 52.0;
 /// Largest wedge error, degrees; a wedge that is further off is another wedge.
 const LARGEST_WEDGE_ERROR_DEG: f64 = 20.0;
 /// Largest tilt of the axis, degrees: beyond it the mounting is another one.
@@ -110,39 +110,31 @@ fn corner(key: &str, corner_hz: f64, sample_rate_hz: f64) -> Result<(), SessionE
 
 fn rig(plan: &SessionPlan) -> Result<(), SessionError> {
     let rig = &plan.rig;
-    within(
-        "rig.slider_amplitude_m",
-        rig.slider_amplitude_m,
-        0.0..=LARGEST,
-    )?;
-    within(
-        "rig.rotation_amplitude_rad",
-        rig.rotation_amplitude_rad,
-        0.0..=LARGEST,
-    )?;
-    within("rig.rest_s", rig.rest_s, 0.0..=LONGEST)?;
-    within("rig.ramp_periods", rig.ramp_periods, 0.0..=LONGEST)?;
-    within("rig.steady_periods", rig.steady_periods, 0.0..=LONGEST)?;
-    within(
-        "rig.wedge_error_deg",
-        rig.wedge_error_deg,
-        0.0..=LARGEST_WEDGE_ERROR_DEG,
-    )?;
-    within(
-        "rig.axis_tilt_deg",
-        rig.axis_tilt_deg,
-        0.0..=LARGEST_TILT_DEG,
-    )?;
-    within(
-        "rig.centre_offset_mm",
-        rig.centre_offset_mm,
-        0.0..=LARGEST_OFFSET_MM,
-    )?;
-    within(
-        "rig.crank_over_rod",
-        rig.crank_over_rod,
-        0.0..=LONGEST_CRANK,
-    )?;
+    for (key, value, most) in [
+        ("rig.slider_amplitude_m", rig.slider_amplitude_m, LARGEST),
+        (
+            "rig.rotation_amplitude_rad",
+            rig.rotation_amplitude_rad,
+            LARGEST,
+        ),
+        ("rig.rest_s", rig.rest_s, LONGEST),
+        ("rig.ramp_periods", rig.ramp_periods, LONGEST),
+        ("rig.steady_periods", rig.steady_periods, LONGEST),
+        (
+            "rig.wedge_error_deg",
+            rig.wedge_error_deg,
+            LARGEST_WEDGE_ERROR_DEG,
+        ),
+        ("rig.axis_tilt_deg", rig.axis_tilt_deg, LARGEST_TILT_DEG),
+        (
+            "rig.centre_offset_mm",
+            rig.centre_offset_mm,
+            LARGEST_OFFSET_MM,
+        ),
+        ("rig.crank_over_rod", rig.crank_over_rod, LONGEST_CRANK),
+    ] {
+        within(key, value, 0.0..=most)?;
+    }
     if rig.taps > MOST_TAPS {
         let cause = format!("{} is more than {MOST_TAPS}", rig.taps);
         return Err(SessionError::plan("rig.taps", cause));
@@ -176,65 +168,59 @@ fn limbs(plan: &SessionPlan) -> Result<(), SessionError> {
 }
 
 fn chain(plan: &SessionPlan) -> Result<(), SessionError> {
-    for (key, value) in [
-        ("chain.signal_to_noise_db", plan.chain.signal_to_noise_db),
+    let (chain, instruments) = (&plan.chain, &plan.instruments);
+    for (key, value, most) in [
+        (
+            "chain.signal_to_noise_db",
+            chain.signal_to_noise_db,
+            f64::INFINITY,
+        ),
         (
             "instruments.signal_to_noise_db",
-            plan.instruments.signal_to_noise_db,
+            instruments.signal_to_noise_db,
+            f64::INFINITY,
         ),
-    ] {
-        within(key, value, 0.0..=f64::INFINITY)?;
-    }
-    within("chain.full_scale_v", plan.chain.full_scale_v, 0.0..=LARGEST)?;
-    if plan.chain.resolution_bits > MOST_BITS {
-        return Err(SessionError::plan(
+        ("chain.full_scale_v", chain.full_scale_v, LARGEST),
+        (
             "chain.resolution_bits",
-            format!("{} is more than {MOST_BITS}", plan.chain.resolution_bits),
-        ));
+            f64::from(chain.resolution_bits),
+            MOST_BITS,
+        ),
+        (
+            "instruments.class_percent",
+            instruments.class_percent,
+            100.0,
+        ),
+        ("chain.stiffness_spread", chain.stiffness_spread, 1.0),
+        ("chain.cross_talk", chain.cross_talk, 1.0),
+        ("chain.hum_v", chain.hum_v, chain.full_scale_v),
+        (
+            "chain.zero_spread_v",
+            chain.zero_spread_v,
+            chain.full_scale_v,
+        ),
+        ("chain.sensitivity_drift", chain.sensitivity_drift, 1.0),
+    ] {
+        within(key, value, 0.0..=most)?;
     }
-    within(
-        "instruments.class_percent",
-        plan.instruments.class_percent,
-        0.0..=100.0,
-    )?;
     for (key, corner_hz) in [
         (
             "instruments.gyroscope_bandwidth_hz",
-            plan.instruments.gyroscope_bandwidth_hz,
+            instruments.gyroscope_bandwidth_hz,
         ),
-        (
-            "chain.amplifier_high_pass_hz",
-            plan.chain.amplifier_high_pass_hz,
-        ),
+        ("chain.amplifier_high_pass_hz", chain.amplifier_high_pass_hz),
     ] {
         if corner_hz != 0.0 {
             corner(key, corner_hz, plan.sample_rate_hz)?;
         }
     }
-    if plan.chain.amplifier_high_pass_hz > 0.0 && plan.chain.coupling == CouplingChoice::Ideal {
+    if chain.amplifier_high_pass_hz > 0.0 && chain.coupling == CouplingChoice::Ideal {
         return Err(SessionError::plan(
             "chain.amplifier_high_pass_hz",
             "a high-pass does not let the load at rest through; set chain.coupling = \"tared\"",
         ));
     }
-    within(
-        "chain.stiffness_spread",
-        plan.chain.stiffness_spread,
-        0.0..=1.0,
-    )?;
-    for (key, value, most) in [
-        ("chain.cross_talk", plan.chain.cross_talk, 1.0),
-        ("chain.hum_v", plan.chain.hum_v, plan.chain.full_scale_v),
-        (
-            "chain.zero_spread_v",
-            plan.chain.zero_spread_v,
-            plan.chain.full_scale_v,
-        ),
-        ("chain.sensitivity_drift", plan.chain.sensitivity_drift, 1.0),
-    ] {
-        within(key, value, 0.0..=most)?;
-    }
-    if plan.chain.stiffness_spread > 0.0
+    if chain.stiffness_spread > 0.0
         && let Some(limb) = plan.stiffness_ratio().iter().position(|r| *r <= 0.0)
     {
         return Err(SessionError::plan(
