@@ -497,6 +497,24 @@ fn law_a_growing_file_is_followed() {
     browser.wait("the row that was broken off", 20, |b| {
         samples(b) == Some(502)
     });
+    // One that is no row of numbers costs that row, and is told by its line.
+    let lines = std::fs::read_to_string(&path)
+        .expect("text")
+        .lines()
+        .count();
+    file.write_all(b"# a remark\n1,2,x,4,5,6,7,8,9\n1,2\n1,2,3,4,5,6,7,8,9\n")
+        .expect("writes");
+    browser.wait("the row behind broken ones", 20, |b| {
+        samples(b) == Some(503)
+    });
+    for told in [
+        format!("line {}: \"x\" is not a number", lines + 2),
+        format!("line {}: 2 cells, 9 were expected", lines + 3),
+    ] {
+        let note = serde_json::to_string(&told).expect("text");
+        let notes = browser.status("notes").expect("notes").to_string();
+        assert!(notes.contains(note.trim_matches('"')), "{told}: {notes}");
+    }
 
     // Longer TDMS files replace shorter ones: the rows that were seen are not taken again.
     let path = folder.path().join("growing.tdms");

@@ -12,8 +12,8 @@ use sixaxis_recordings::Block;
 use sixaxis_recordings::ingest::find::{self, Column};
 use sixaxis_recordings::session::Channels;
 
-use super::wire::standards;
-use super::{Begin, Event, LONGEST_BATCH, Sender, Start};
+use super::wire::{NO_TEXT, WireError, is_remark, number, standards};
+use super::{Begin, Event, LONGEST_BATCH, Sender, Start, TOLD};
 use crate::columns::Batch;
 
 /// Time between two looks at the file.
@@ -84,12 +84,13 @@ impl Follower {
     fn follow_text(&self, path: &Path, decimal_comma: bool, sender: &Sender) -> Result<()> {
         let mut file = BufReader::new(File::open(path)?);
         let mut batch = Batch::default();
-        let mut line = Vec::new();
-        let mut at = 0_u64;
+        let mut bytes = Vec::new();
+        let (mut at, mut line, mut begun) = (0_u64, 0_u64, false);
+        let mut refused = 0;
         loop {
-            line.clear();
-            let got = file.read_until(b'\n', &mut line)?;
-            if got == 0 || line.last() != Some(&b'\n') {
+            bytes.clear();
+            let got = file.read_until(b'\n', &mut bytes)?;
+            if got == 0 || bytes.last() != Some(&b'\n') {
                 // The end of a line that is being written comes later.
                 file.seek(SeekFrom::Start(at))?;
                 if !self.hand_over(&mut batch, sender) {
@@ -102,9 +103,23 @@ impl Follower {
                 continue;
             }
             at += got as u64;
-            // Heads and remarks are no rows of numbers.
-            if let Some(row) = self.row(&line, decimal_comma) {
-                self.append(&row, &mut batch);
+            line += 1;
+            match self.row(&bytes, decimal_comma) {
+                Ok(row) => {
+                    begun = true;
+                    self.append(&row, &mut batch);
+                }
+                // Headings and remarks are no rows of numbers.
+                Err(_) if !begun || is_remark(&bytes) => {}
+                Err(cause) => {
+                    refused += 1;
+                    if refused <= TOLD {
+                        let refused = WireError::Row { line, cause };
+                        let told =
+                            format!("{}, {refused}; the row is passed over", self.start.title);
+                        sender.send(Event::Note(told))?;
+                    }
+                }
             }
             if batch.samples() >= LONGEST_BATCH && !self.hand_over(&mut batch, sender) {
                 return Ok(());
@@ -112,8 +127,9 @@ impl Follower {
         }
     }
 
-    fn row(&self, line: &[u8], decimal_comma: bool) -> Option<Vec<f64>> {
-        let text = std::str::from_utf8(line).ok()?.trim();
+    fn row(&self, line: &[u8], decimal_comma: bool) -> Result<Vec<f64>, String> {
+        let text = std::str::from_utf8(line).map_err(|_| NO_TEXT.to_owned())?;
+        let text = text.trim();
         let separators: &[char] = if decimal_comma {
             &[';', '\t']
         } else {
@@ -121,20 +137,15 @@ impl Follower {
         };
         let cells: Vec<&str> = text.split(separators).map(str::trim).collect();
         if cells.len() != self.channels {
-            return None;
+            let (have, expected) = (cells.len(), self.channels);
+            return Err(format!("{have} cells, {expected} were expected"));
         }
-        let number = |cell: &str| {
-            let cell = if decimal_comma {
-                cell.replace(',', ".")
-            } else {
-                cell.to_owned()
-            };
-            cell.parse::<f64>().ok()
-        };
-        let wanted = self
-            .wanted
-            .iter()
-            .map(|w| Some(w.size_si * number(cells.get(w.index)?)?));
+        let wanted = self.wanted.iter().map(|w| {
+            let cell = cells[w.index];
+            let point = cell.replace(',', ".");
+            let value = number(if decimal_comma { &point } else { cell })?;
+            Ok(w.size_si * value)
+        });
         wanted.collect()
     }
 

@@ -7,11 +7,9 @@ use std::time::{Duration, Instant};
 use sixaxis_recordings::session::Channels;
 
 use super::wire::Wire;
-use super::{Event, Sender, Start};
+use super::{Event, Sender, Start, TOLD};
 use crate::columns::Batch;
 
-/// Refused rows that are told one by one; the rest is counted.
-const TOLD: u64 = 5;
 /// Time that a sender on a port has for its first line.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Bytes read at a time.

@@ -25,6 +25,8 @@ pub const LONGEST_LINE: usize = 4096;
 const MOST_COLUMNS: usize = 256;
 /// Samples per second, from and to.
 pub const RATES_HZ: (f64, f64) = (10.0, 100_000.0);
+/// Why a line of other bytes is no row.
+pub(super) const NO_TEXT: &str = "not text in UTF-8";
 /// Place that errors of names and units are about.
 const PLACE: &str = "stream";
 
@@ -280,21 +282,17 @@ impl Wire {
     }
 
     fn text(&mut self, line: &[u8], head: &Head, batch: &mut Batch) -> Result<(), String> {
-        let text = std::str::from_utf8(line).map_err(|_| "not text in UTF-8".to_owned())?;
-        let text = text.trim();
-        if text.is_empty() || text.starts_with('#') {
+        if is_remark(line) {
             return Ok(());
         }
+        let text = std::str::from_utf8(line).map_err(|_| NO_TEXT.to_owned())?;
         self.row.clear();
         for cell in text
+            .trim()
             .split([',', ';', '\t', ' '])
             .filter(|cell| !cell.is_empty())
         {
-            let value = cell.parse().map_err(|_| {
-                let shown: String = cell.chars().take(40).collect();
-                format!("{shown:?} is not a number")
-            })?;
-            self.row.push(value);
+            self.row.push(number(cell)?);
         }
         if self.row.len() != head.columns {
             return Err(format!(
@@ -306,6 +304,20 @@ impl Wire {
         append(head, |column| self.row[column], batch);
         Ok(())
     }
+}
+
+/// Whether a line of text is meant to be no row.
+pub(super) fn is_remark(line: &[u8]) -> bool {
+    let line = line.trim_ascii();
+    line.is_empty() || line.starts_with(b"#")
+}
+
+/// The number of a cell, or why it is none.
+pub(super) fn number(cell: &str) -> Result<f64, String> {
+    cell.parse().map_err(|_| {
+        let shown: String = cell.chars().take(40).collect();
+        format!("{shown:?} is not a number")
+    })
 }
 
 /// Appends one row.
