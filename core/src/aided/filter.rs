@@ -300,20 +300,24 @@ impl ErrorFilter {
         self.scale(0..DYNAMIC, 2.0);
     }
 
-    /// A motion that nothing held for long leaves a covariance that means nothing, or that none can be: attitude, rate and velocity are
-    /// then unknown, and parameters as uncertain as before, each by itself.
+    /// A motion that nothing held for long leaves a covariance that means nothing, or that none can be: attitude and velocity are
+    /// then unknown, and rate and parameters as uncertain as before, each by itself. The rate's equation has no attitude in it; taken for
+    /// unknown as well it would turn the sensor by a radian from one attitude to the next, which then tells nothing of it.
     fn forget(&mut self) {
         self.bending = Bending::none();
         let variances = self.covariance.diagonal();
         let sound = |variance: f64| variance.is_finite() && variance >= 0.0;
-        let unknown = |place: usize| match place {
+        let most = |place: usize| match place {
             ATTITUDE..RATE => TURN_RAD,
             RATE..VELOCITY => UNKNOWN_RATE_RAD_S,
             _ => UNKNOWN_VELOCITY_M_S,
         };
+        let is_rate = |place: usize| (RATE..VELOCITY).contains(&place);
         self.covariance = ErrorCovariance::from_diagonal(&SMatrix::from_fn(|place, _| {
-            if place < DYNAMIC {
-                unknown(place) * unknown(place)
+            if is_rate(place) && sound(variances[place]) {
+                variances[place].min(most(place) * most(place))
+            } else if place < DYNAMIC {
+                most(place) * most(place)
             } else if sound(variances[place]) {
                 variances[place]
             } else {

@@ -125,8 +125,8 @@ pub struct InertiaAndGain {
     pub standard_error: f64,
 }
 
-/// Interval searched for gamma: no instrument worth the name is off by a tenth.
-const GAIN_RANGE: (f64, f64) = (0.9, 1.1);
+/// Interval searched for gamma: no instrument worth the name is off by a tenth. What is found at an end of it lies there or beyond.
+pub const GAIN_RANGE: (f64, f64) = (0.9, 1.1);
 /// Golden-section steps: the interval shrinks to 0.2 x 0.618^60 = 6e-14.
 const GAIN_STEPS: usize = 60;
 

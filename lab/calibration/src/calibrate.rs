@@ -244,6 +244,7 @@ pub fn calibrate(
     }
     if let Some(chosen) = &chosen {
         reservations.extend(chosen.reservations());
+        reservations.extend(chosen.set_aside(&prepared.campaign));
     }
     let (grade, sentence) = grade(&findings, &reservations, &trials, chosen.is_some());
     let calibration = chosen

@@ -5,6 +5,7 @@ use crate::drive;
 use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::report::{Grade, ParameterReport, TrialReport};
 use crate::steps::{Campaign, FourSteps};
+use sixaxis_core::identify::inertia::GAIN_RANGE;
 use sixaxis_page::number::decimals_apart;
 use sixaxis_recordings::session::{Role, Session};
 
@@ -131,8 +132,13 @@ pub(crate) fn failures(
     if let Some((gain, error)) = steps.and_then(|steps| steps.gyroscope_gain_seen)
         && (gain - 1.0).abs() > gyroscope_class + GAIN_SIGNIFICANT * error
     {
+        let or_beyond = match gain {
+            gain if gain < GAIN_RANGE.0 + error => " or less",
+            gain if gain > GAIN_RANGE.1 - error => " or more",
+            _ => "",
+        };
         let by_euler = format!(
-            "by Euler's equation the true rate is {gain:.3} ± {error:.3} times the gyroscope's reading, beyond its class of {:.1} %",
+            "by Euler's equation the true rate is {gain:.3} ± {error:.3} times the gyroscope's reading{or_beyond}, beyond its class of {:.1} %",
             100.0 * gyroscope_class
         );
         let certified = |reads: &f64| (reads - 1.0).abs() <= gyroscope_class + rig::TOLERANCE;

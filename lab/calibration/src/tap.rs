@@ -10,7 +10,7 @@
 use nalgebra::{Matrix6, Vector6};
 use sixaxis_core::identify::tap::{self, Setup, Tap};
 use sixaxis_core::identify::{Reason, Verdict};
-use sixaxis_core::significance::NORMAL_95;
+use sixaxis_core::significance::{NORMAL_95, chi_square_limit};
 use sixaxis_core::{Geometry, LIMBS, Parameters};
 
 use crate::report::ParameterReport;
@@ -24,6 +24,8 @@ const INERTIA_DEVIATION: f64 = 1e-6;
 const LEAST_NOISE: f64 = 1e-6;
 /// Share of what is known beforehand that a tap has of its own: half, for gains of ranges of which some differ.
 const OWN_SHARE: f64 = 0.5;
+/// How often chance alone may leave inertias as far from those that are known.
+const BY_CHANCE: f64 = 1e-3;
 /// Standard errors of their difference by which a tap may be off from all taps' mean.
 const DISAGREE: f64 = 4.0;
 
@@ -110,17 +112,24 @@ fn evaluate(
     parameters: &Parameters,
     known: &[ParameterReport],
 ) -> Result<Tap, String> {
+    let covariance = inertia_covariance(parameters, known);
     let setup = Setup {
         sensor: &trial.sensor(geometry),
         parameters,
-        inertia_covariance_m4: inertia_covariance(parameters, known),
+        inertia_covariance_m4: covariance,
         gain_deviation: gain_deviation(known),
         sample_rate_hz: trial.sample_rate_hz,
         full_scale_v: trial.full_scale_v,
     };
     let tap = tap::identify(&setup, &trial.voltage_v).map_err(|e| e.to_string())?;
     if tap.verdict.is_determined() {
-        Ok(tap)
+        let off = inertia_departure(&tap, parameters, &covariance);
+        match off {
+            Some(percent) => Err(format!(
+                "its modes ask for inertias that are {percent:+.1} % from those of the angular trials, more than these leave open, and k/m would be off like that: the shell must be held still by far more mass than the sensor's, and flexures carry no load across"
+            )),
+            None => Ok(tap),
+        }
     } else if matches!(
         tap.verdict,
         Verdict::Undetermined {
@@ -128,7 +137,7 @@ fn evaluate(
         }
     ) {
         Err(format!(
-            "what follows the blow is not the decay of six modes, {:.1} % of it is left over; the shell must be held still, and gain_n_per_v be this recording's",
+            "what follows the blow is not the decay of six modes, {:.1} % of it is left over; the shell must be held still, gain_n_per_v be this recording's, limbs alike to some tenths of a per cent and damped in proportion to their stiffness",
             100.0 * tap.residual_over_signal
         ))
     } else {
@@ -137,6 +146,18 @@ fn evaluate(
             100.0 * tap.standard_error_ln
         ))
     }
+}
+
+/// Sum of the moments over that which is known, less one, %, where the inertias that a tap asks for are further from those that are known
+/// than these leave open. A shell that follows the mass raises the modes in which it travels, and only inertias that are larger as well bring
+/// the others back to where they are.
+fn inertia_departure(tap: &Tap, known: &Parameters, covariance: &Matrix6<f64>) -> Option<f64> {
+    let [ours, theirs] = [tap.inertia_per_mass, known.inertia_per_mass].map(|i| i.to_paper_order());
+    let departure = Vector6::from_fn(|k, _| ours[k] - theirs[k]);
+    let squares = departure.dot(&covariance.cholesky()?.solve(&departure));
+    let trace = |i: [f64; 6]| i[0] + i[1] + i[2];
+    let limit = chi_square_limit(BY_CHANCE, 6).ok()?;
+    (squares > limit).then(|| 100.0 * (trace(ours) / trace(theirs) - 1.0))
 }
 
 /// What differs from trial to trial, as a standard deviation.

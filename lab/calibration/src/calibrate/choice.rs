@@ -2,6 +2,7 @@
 
 use sixaxis_core::{Parameter, Parameters};
 
+use super::validation::{Decoding, largest_error};
 use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding};
 use crate::gain_prior::BoundedGain;
@@ -9,6 +10,10 @@ use crate::joint::hypotheses;
 use crate::joint::misfit::Misfit;
 use crate::joint::{JointReport, Loss};
 use crate::report::{Estimator, ParameterReport};
+use crate::steps::Campaign;
+
+/// How many times further off the runs are by the parameters that are used, from which on the others are worth a word.
+const MUCH_LESS: f64 = 2.0;
 
 /// The loss of the joint fit; beside the four steps it is shown by least squares.
 pub(super) const fn loss(estimator: Option<Estimator>) -> Loss {
@@ -76,6 +81,29 @@ impl Chosen {
     /// The joint fit where its parameters are used and it accounts for the trials.
     pub fn accounting_joint(&self) -> Option<&JointReport> {
         self.used_joint().filter(|joint| joint.accounts())
+    }
+
+    /// What the joint fit, which nobody asked for and which does not account for the trials, says of the validation runs where the four
+    /// steps' parameters are used: so far off, and that is much less.
+    pub fn set_aside(&self, campaign: &Campaign) -> Option<String> {
+        let joint = self.estimate.joint.as_ref().ok();
+        let joint = joint.filter(|_| self.fell_back)?;
+        let decoding = Decoding {
+            parameters: &joint.parameters(self.used.stiffness_per_mass_per_s2),
+            cross_talk: Some(joint.limbs().cross_talk),
+        };
+        let by_joint = largest_error(campaign, &decoding)?;
+        let by_steps = Decoding {
+            parameters: &self.used,
+            cross_talk: None,
+        };
+        let by_steps = largest_error(campaign, &by_steps)?;
+        (MUCH_LESS * by_joint < by_steps).then(|| {
+            let [joint, steps] = [by_joint, by_steps].map(|error| 100.0 * error);
+            format!(
+                "decoupled by the joint fit the validation runs depart from the standards by {joint:.1} % at most, and by the four steps, whose parameters are used, by {steps:.1} %: try --estimator joint"
+            )
+        })
     }
 
     /// Why the joint fit that was asked for refuses.

@@ -56,6 +56,19 @@ pub(super) fn validate(
     validation_runs
 }
 
+/// The most that any axis of the validation runs departs by, decoupled so; none without one, or where one cannot be decoupled.
+pub(super) fn largest_error(campaign: &Campaign, decoding: &Decoding<'_>) -> Option<f64> {
+    let arm_m = arm_m(&campaign.design);
+    let of = |(trial, conditioned): &(Trial, Conditioned)| {
+        let run = compare(campaign, trial, conditioned, decoding).ok()?;
+        Some(worst(&errors(&run, arm_m)))
+    };
+    let runs = campaign.trials.iter();
+    let runs = runs.filter(|(trial, _)| trial.role == Role::Validation);
+    let all: Vec<f64> = runs.map(of).collect::<Option<_>>()?;
+    (!all.is_empty()).then(|| worst(&all))
+}
+
 /// Decouples a run and sets it beside its standards.
 pub(super) fn compare(
     campaign: &Campaign,

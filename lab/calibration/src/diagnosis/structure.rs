@@ -201,11 +201,29 @@ pub fn inverted(
     };
     let judged = silent.iter().filter(|silent| !**silent).count();
     if (0..LIMBS).filter(|i| !silent[*i] && reversed(*i)).count() == judged {
-        findings.push(Finding::new(
-            Cause::WrongScaling,
-            "all scale factors have the other sign than the design's: the standard accelerometer is reversed",
-            "turn the accelerometer's polarity round, or the wedges' directions",
-        ));
+        // With the accelerometer reversed torques have the wrong sign by these scale factors, and inertias come out negative.
+        let trace = table
+            .inertia_m2
+            .map(|i| i.x_axis.x + i.y_axis.y + i.z_axis.z);
+        let (cause, which, advice) = match trace {
+            Some(trace) if trace > 0.0 => (
+                Cause::InvertedChannel,
+                ", and the inertias have not: all channels are inverted, or both standards reversed",
+                "give each gain_n_per_v a minus sign, as that of a charge amplifier that inverts, or see to both standards' polarity",
+            ),
+            Some(_) => (
+                Cause::WrongScaling,
+                ", and so have the inertias: the standard accelerometer is reversed",
+                "turn the accelerometer's polarity round, or the wedges' directions",
+            ),
+            None => (
+                Cause::WrongScaling,
+                ": the standard accelerometer is reversed, or all channels are inverted",
+                "turn the accelerometer's polarity round, or give each gain_n_per_v a minus sign",
+            ),
+        };
+        let evidence = format!("all scale factors have the other sign than the design's{which}");
+        findings.push(Finding::new(cause, evidence, advice));
         return;
     }
     for (channel, silent) in silent.iter().enumerate() {

@@ -20,6 +20,8 @@ use crate::finding::{Cause, Finding};
 
 /// Standard deviations from which something is there and not noise.
 pub(super) const SIGNIFICANT: f64 = 6.0;
+/// Share of a certificate's limit by which a gain may be beyond it: what the model has not, of a level axis above all, is in no deviation.
+const AT_THE_LIMIT: f64 = 0.02;
 /// Standard deviations by which the gyroscope's gain must leave its certificate.
 const BEYOND_CERTIFICATE: f64 = 4.0;
 /// Squares per degree of freedom that noise of another colour may leave, and their excess over that of trials without the cause.
@@ -290,7 +292,8 @@ impl JointReport {
     /// not by a clock by which it does not, that clock.
     fn gyroscope(&self, limit: f64, drive_faster: Option<f64>) -> Option<Finding> {
         let found = self.nuisances().gyroscope_gain?;
-        if found.value.abs() <= limit + BEYOND_CERTIFICATE * found.deviation {
+        if found.value.abs() <= (1.0 + AT_THE_LIMIT) * limit + BEYOND_CERTIFICATE * found.deviation
+        {
             return None;
         }
         let reads = format!(

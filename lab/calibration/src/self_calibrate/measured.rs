@@ -7,7 +7,7 @@ use crate::apply::explain;
 use crate::apply::recording::{Batch, Recording};
 use crate::apply::setup::Setup;
 use crate::apply::voltages::Voltages;
-use anyhow::{Result, anyhow, ensure};
+use anyhow::{Result, anyhow, bail, ensure};
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::self_calibration::{Accumulator, Moments};
 use sixaxis_core::{LIMBS, LimbSet, Scheme, Settings};
@@ -80,6 +80,9 @@ struct Means {
     blocks: f64,
     mean: [f64; LIMBS],
     squares: [f64; LIMBS],
+    last: [f64; LIMBS],
+    /// Squares of the differences between neighbours.
+    steps: [f64; LIMBS],
 }
 
 impl Means {
@@ -92,6 +95,10 @@ impl Means {
             self.blocks += 1.0;
             for i in 0..LIMBS {
                 let x = self.block[i] / f64::from(block);
+                if self.blocks > 1.0 {
+                    self.steps[i] += (x - self.last[i]) * (x - self.last[i]);
+                }
+                self.last[i] = x;
                 let from_old = x - self.mean[i];
                 self.mean[i] += from_old / self.blocks;
                 self.squares[i] += from_old * (x - self.mean[i]);
@@ -99,6 +106,20 @@ impl Means {
             self.block = [0.0; LIMBS];
             self.filled = 0;
         }
+    }
+
+    /// A channel that does more in it than noise, which varies from block to block as it does over all of them, and a drift that is small
+    /// beside the largest change between the rests, V; and by how much, V.
+    fn moves(&self, largest_v: f64) -> Option<(usize, f64)> {
+        let deviation = |limb: usize| (self.squares[limb] / (self.blocks - 1.0)).sqrt();
+        let moving = |limb: &usize| {
+            let as_noise = self.squares[*limb] <= MOVES * 0.5 * self.steps[*limb];
+            !as_noise && deviation(*limb) > OF_CHANGE * largest_v
+        };
+        let limb = (0..LIMBS)
+            .filter(moving)
+            .max_by(|a, b| deviation(*a).total_cmp(&deviation(*b)))?;
+        Some((limb, deviation(limb)))
     }
 
     /// Variance of the mean.
@@ -111,6 +132,10 @@ impl Means {
 const WILD: u64 = 10;
 /// Blocks that a rest must have.
 const FEWEST_BLOCKS: f64 = 8.0;
+/// Variance of a rest's blocks, over half the mean square of their steps: 1 of noise. Eight blocks of noise exceed it once in 16,000 times.
+const MOVES: f64 = 8.0;
+/// Deviation of a rest's blocks over the largest change between the rests, from which it bends that change.
+const OF_CHANGE: f64 = 0.01;
 
 impl Measured {
     /// Reads a recording from end to end, conditioned as `sixaxis decouple` does it.
@@ -181,8 +206,20 @@ impl Measured {
                     );
                 }
                 let [a, b] = &means;
+                let voltage_v: [f64; LIMBS] = core::array::from_fn(|i| b.mean[i] - a.mean[i]);
+                let largest_v = voltage_v.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+                for (rest, means) in rests.iter().zip(&means) {
+                    if let Some((limb, by_v)) = means.moves(largest_v) {
+                        bail!(
+                            "--rests: in {}-{} s of {place} the sensor does not rest: channel {} moves by {by_v:.2e} V (root mean square), more than its noise",
+                            rest.from_s,
+                            rest.to_s,
+                            names[limb]
+                        );
+                    }
+                }
                 Some(Change {
-                    voltage_v: core::array::from_fn(|i| b.mean[i] - a.mean[i]),
+                    voltage_v,
                     deviation_v: core::array::from_fn(|i| (a.variance(i) + b.variance(i)).sqrt()),
                 })
             }

@@ -49,7 +49,7 @@ impl Follower {
         };
         let limbs = find::limbs(path, layout, channels)?;
         let sample_rate_hz = recording::rate_hz(path, layout, &limbs, None, rate_hz)?;
-        let standards = standards(layout, channels);
+        let standards = standards(path, layout, channels)?;
         let mut wanted = limbs.to_vec();
         wanted.extend(standards.iter().flatten().cloned());
         Ok(Self {

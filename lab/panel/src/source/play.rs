@@ -34,7 +34,7 @@ impl Player {
         let limbs = find::limbs(path, layout, channels)?;
         let time = find::time(path, layout, channels.time.as_deref())?;
         let sample_rate_hz = recording::rate_hz(path, layout, &limbs, time.as_ref(), rate_hz)?;
-        let standards = standards(layout, channels);
+        let standards = standards(path, layout, channels)?;
         let mut wanted = limbs.to_vec();
         wanted.extend(standards.iter().flatten().cloned());
         Ok(Self {

@@ -133,7 +133,7 @@ impl Head {
             format,
             columns: names.len(),
             limbs,
-            standards: standards(&layout, channels),
+            standards: standards(place, &layout, channels).map_err(|e| refuse(&e.to_string()))?,
         })
     }
 
@@ -145,25 +145,38 @@ impl Head {
 }
 
 /// Both reference instruments, where both are there in units of motion; without a unit, in SI.
-pub(super) fn standards(layout: &Layout, channels: &Channels) -> Option<[Column; 2]> {
+///
+/// # Errors
+/// [`sixaxis_recordings::Error::Unit`] for a unit that is not known.
+pub(super) fn standards(
+    path: &Path,
+    layout: &Layout,
+    channels: &Channels,
+) -> sixaxis_recordings::Result<Option<[Column; 2]>> {
     let find = |name: &str, stated: Option<&String>| {
-        let index = layout.position(name)?;
+        let Some(index) = layout.position(name) else {
+            return Ok(None);
+        };
         let size_si = match layout.channels[index].unit.as_ref().or(stated) {
             None => 1.0,
-            Some(text) => match unit::named(text)? {
-                Unit::Acceleration(size) | Unit::Rate(size) => size,
-                _ => return None,
+            Some(text) => match unit::named(text) {
+                Some(Unit::Acceleration(size) | Unit::Rate(size)) => size,
+                Some(_) => return Ok(None),
+                None => {
+                    return Err(sixaxis_recordings::Error::Unit {
+                        file: path.display().to_string(),
+                        channel: name.to_owned(),
+                        cause: format!("unit {text:?} is not known"),
+                    });
+                }
             },
         };
-        Some(Column::new(layout, index, size_si))
+        Ok(Some(Column::new(layout, index, size_si)))
     };
-    Some([
-        find(
-            &channels.accelerometer,
-            channels.accelerometer_unit.as_ref(),
-        )?,
-        find(&channels.gyroscope, channels.gyroscope_unit.as_ref())?,
-    ])
+    let accelerometer = channels.accelerometer_unit.as_ref();
+    let accelerometer = find(&channels.accelerometer, accelerometer)?;
+    let gyroscope = find(&channels.gyroscope, channels.gyroscope_unit.as_ref())?;
+    Ok(accelerometer.zip(gyroscope).map(<[Column; 2]>::from))
 }
 
 /// Takes bytes as they come, in pieces of any size, and hands out samples.

@@ -8,6 +8,9 @@ use super::sensor::Expected;
 use crate::ingest::clock::{CLOSEST_S, Stamps};
 use crate::runs::stands_still;
 
+/// Standard deviations, and steps of a converter, from the mean from which on a sample at rest is a wild one.
+const WILD: f64 = 10.0;
+const WILD_STEPS: f64 = 4.0;
 /// Jitter beyond this share of a step is noticed.
 const JITTER: f64 = 0.01;
 /// Difference of two statements of one rate that is noticed.
@@ -201,6 +204,7 @@ impl Facts {
         }
         for channel in channels {
             self.of_clipping(channel);
+            self.of_wild_samples(channel);
         }
         let drifting: Vec<_> = channels.iter().filter(|c| c.drift_stands_out).collect();
         let text = |c: &ChannelFacts| {
@@ -255,6 +259,30 @@ impl Facts {
             if let Some(top) = top {
                 self.notice("clipped", [name], flat(channel, end, top));
             }
+        }
+    }
+
+    /// At rest, where there is nothing but noise, a sample that is none; a converter's last bit that seldom changes is.
+    fn of_wild_samples(&mut self, channel: &ChannelFacts) {
+        let ends = [
+            channel.minimum,
+            channel.maximum,
+            channel.mean,
+            channel.standard_deviation,
+        ];
+        let [Some(minimum), Some(maximum), Some(mean), Some(deviation)] = ends else {
+            return;
+        };
+        let furthest = (maximum - mean).max(mean - minimum);
+        let least = (WILD * deviation).max(WILD_STEPS * channel.smallest_step.unwrap_or(0.0));
+        if channel.stability.is_some() && furthest > least {
+            let text = format!(
+                "{} has a wild sample or more: one is {} from the mean, {:.0} standard deviations; they count in its noise",
+                channel.name,
+                channel.in_unit(Some(furthest)),
+                furthest / deviation
+            );
+            self.notice("wild", [&channel.name], text);
         }
     }
 

@@ -12,7 +12,7 @@ use clap::ValueEnum;
 use serde::Serialize;
 use sixaxis_calibration::calibrate::{CalibratedSession, Options, calibrate};
 use sixaxis_calibration::calibration;
-use sixaxis_calibration::finding::Finding;
+use sixaxis_calibration::finding::{Cause, Finding};
 use sixaxis_calibration::iteration::Criterion;
 use sixaxis_calibration::page;
 use sixaxis_calibration::report::{Estimator, Grade};
@@ -166,7 +166,17 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     if calibrated.calibration.is_none() {
         earlier();
         let cause = calibrated.obstacle.as_ref().unwrap_or(&calibrated.sentence);
-        bail!("{}: no calibration is written: {cause}", path.display());
+        // What was not read is why little is left; nothing else says it where findings are not printed.
+        let unread = calibrated
+            .findings
+            .iter()
+            .find(|f| f.cause == Cause::Unreadable);
+        let unread = unread.filter(|_| arguments.quiet);
+        let unread = unread.map_or(String::new(), |f| format!("{}; ", f.evidence));
+        bail!(
+            "{}: no calibration is written: {unread}{cause}",
+            path.display()
+        );
     }
     Ok(ExitCode::from(match calibrated.grade {
         Grade::Good => 0,

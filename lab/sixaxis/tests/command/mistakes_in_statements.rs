@@ -322,6 +322,15 @@ fn neg_an_odd_recording_is_told_by_what_the_others_agree_on() {
             &|s| renamed(s, "reversed"),
             "with the standard accelerometer reversed all trials agree",
         ),
+        (
+            "channels-inverted",
+            &|s| {
+                with_numbers(s, "gain_n_per_v", |gains| {
+                    gains.iter().map(|g| -g).collect()
+                })
+            },
+            "and the inertias have not: all channels are inverted",
+        ),
     ]);
 }
 

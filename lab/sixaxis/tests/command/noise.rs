@@ -31,8 +31,17 @@ fn stat_known_densities_are_found() {
         mean += 1e-3 / rate_hz.sqrt() * normal();
         text += &format!("{},{}\n", mean + white, white);
     }
-    let file = folder.write("rest.csv", text);
+    let file = folder.write("rest.csv", &text);
     let page = folder.file("rest.html");
+    // One sample that is no noise counts in the noise, and is told.
+    let wild = text.clone() + "0,1\n";
+    let wild = stdout(&run(&[
+        "inspect",
+        &folder.write("wild.csv", wild),
+        "--at-rest",
+    ]));
+    let told = |words: &str| words.contains("has a wild sample or more: one is 1");
+    assert!(told(&wild), "{wild}");
     let found = inspected(&[&file, "--at-rest", "--picture", &page]);
     let [walking, white] = [0, 1].map(|k| &found["groups"][0]["channels"][k]);
     for channel in [walking, white] {
@@ -56,6 +65,7 @@ fn stat_known_densities_are_found() {
     }
     // In words and in pictures; and nothing of a record that nobody says to be at rest.
     let words = stdout(&run(&["inspect", &file, "--at-rest"]));
+    assert!(!told(&words), "{words}");
     assert!(
         words.contains("at rest (Allan deviation)")
             && words.contains("no random walk of w: record too short"),

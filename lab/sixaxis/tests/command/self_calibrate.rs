@@ -485,6 +485,12 @@ fn a_known_turn_tells_all_nine() {
         let refused = checked(&path, &["--known-change", "19.6", "--rests", rests]);
         assert_eq!(refused.status.code(), Some(status), "{rests}: {refused:?}");
     }
+    let turning = checked(&path, &["--known-change", "19.6", "--rests", "0-0.9,4-5"]);
+    let said = stderr(&turning);
+    assert!(
+        said.contains("in 4-5 s of") && said.contains("does not rest: channel u"),
+        "{said}"
+    );
 }
 
 #[test]

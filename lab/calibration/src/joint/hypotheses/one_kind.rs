@@ -29,6 +29,8 @@ const MOST: usize = 2;
 /// Cross-talk of channels apart that hides one: beyond this, and so many times what is left where the channel is put right.
 const CROSS_TALK: f64 = 1e-4;
 const TIMES: f64 = 2.0;
+/// Cross-talk of channels apart that a change of a channel hides in, over that change, at least.
+const HIDES: f64 = 0.01;
 /// Share of the squares of all cross-talk of channels apart that one channel has where it is none: of nine that are alike each has a ninth, and it
 /// three times that.
 const OF_ONE: f64 = 1.0 / 3.0;
@@ -74,11 +76,11 @@ pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<
         let all = all.filter_map(|(role, _)| best(&shares, day.cases, *role));
         let (other, table, _) = all.min_by(|a, b| a.2.total_cmp(&b.2))?;
         let joint = put_right(day, &other, &table).filter(JointReport::accounts)?;
-        is_better(&joint, accounting).then_some((other, joint))
+        is_better(&other, &joint, accounting).then_some((other, joint))
     };
     let by_cross_talk = || {
         let (other, joint) = of_one_row(day, &shares, day.joint.ok()?)?;
-        is_better(&joint, accounting).then_some((other, joint))
+        is_better(&other, &joint, accounting).then_some((other, joint))
     };
     let both = [by_responses(), by_cross_talk()].into_iter().flatten();
     let (other, joint) =
@@ -107,11 +109,17 @@ pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<
     Some(finding.on_channels(other.channels()))
 }
 
-/// Whether less is left for cross-talk than in the fit that accounts for the day as it is, if one does.
-fn is_better(joint: &JointReport, accounting: Option<&JointReport>) -> bool {
+/// Whether less is left for cross-talk than in the fit that accounts for the day as it is, if one does, and that had as much of it as such a
+/// change hides in.
+fn is_better(other: &Other, joint: &JointReport, accounting: Option<&JointReport>) -> bool {
     accounting.is_none_or(|without| {
         let less = TIMES * left_for_others(joint) < left_for_others(without);
-        less && joint.estimate.squares < without.estimate.squares + BY_CHANCE
+        let change = other
+            .factors
+            .iter()
+            .fold(0.0, |most: f64, f| most.max((f - 1.0).abs()));
+        let hides = left_for_others(without) > HIDES * change;
+        less && hides && joint.estimate.squares < without.estimate.squares + BY_CHANCE
     })
 }
 

@@ -69,6 +69,10 @@ fn law_heads_that_are_none_are_refused() {
             "sixaxis rate=1000 columns=u1[g],u2,u3,u4,u5,u6,u7,u8,u9\n",
             "u1",
         ),
+        (
+            "sixaxis rate=1000 columns=u1,u2,u3,u4,u5,u6,u7,u8,u9,gyroscope[deg/h]\n",
+            "deg/h",
+        ),
     ] {
         match read(head.as_bytes(), 3).2 {
             Err(WireError::Head(cause)) => assert!(cause.contains(part), "{head}: {cause}"),

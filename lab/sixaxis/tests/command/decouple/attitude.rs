@@ -105,9 +105,15 @@ fn held_against_truth(path: &Path) -> Held {
 
 /// Attitudes by a camera that sees the sensor from time to time, on the recording's clock, turned by an angle: the file and their number.
 fn camera(name: &str, every: usize, off_rad: f64) -> (PathBuf, u64) {
+    camera_from(1, name, every, off_rad)
+}
+
+/// The same by one that sees it from a sample on.
+fn camera_from(first: usize, name: &str, every: usize, off_rad: f64) -> (PathBuf, u64) {
     let path = recorded().folder.join(name);
     let (mut lines, mut seen) = ("time [s],qw,qx,qy,qz\n".to_owned(), 0);
-    let seen_at = recorded().truth.iter().enumerate().skip(1).step_by(every);
+    let all = recorded().truth.iter().enumerate();
+    let seen_at = all.skip(first).step_by(every);
     for (sample, instant) in seen_at {
         let q = instant.attitude * DQuat::from_rotation_x(off_rad);
         // A quaternion and its negative are one attitude, and cameras give either.
@@ -173,6 +179,30 @@ fn ref_sensor_axes_stay_true_and_ground_axes_end_where_the_attitude_is_lost() {
             .fold(0.0, f64::max);
         assert!(worst < limit * peak, "{part}: {worst:e} of {peak:e}");
     }
+}
+
+/// A rate that was taken for unknown when the first attitude came would turn the sensor by a radian until the next one does: none of them
+/// would ever tell it.
+#[test]
+fn regress_attitudes_after_long_silence_tell_the_rate_again() {
+    let (first, every) = (60 * RATE_HZ as usize, 50);
+    let (fixes, seen) = camera_from(first, "late.csv", every, 0.0);
+    let aid = format!("attitude={},0.5", text(&fixes));
+    let (late, said) = decoupled("late.parquet", &["--aid", &aid]);
+    assert_eq!(said["attitude"]["attitude"]["taken"].as_u64(), Some(seen));
+    let (rates, _) = columns(&late, &["wx", "wy", "wz"]);
+    let of = |row: usize| DVec3::from_array([0, 1, 2].map(|axis: usize| rates[axis][row]));
+    let truth = |row: usize| recorded().truth[row + 1].rate_shell_rad_s;
+    let rms = |rows: core::ops::Range<usize>| {
+        let squares = rows
+            .clone()
+            .map(|row| (of(row) - truth(row)).length_squared());
+        (squares.sum::<f64>() / rows.len() as f64).sqrt()
+    };
+    let settled = first + 2 * RATE_HZ as usize;
+    let [before, after] = [rms(first - 1000..first - 1), rms(settled..rates[0].len())];
+    println!("{before:.3} rad/s before, {after:.4} after");
+    assert!(before > 0.1 && after < 0.01, "{before} {after}");
 }
 
 #[test]
