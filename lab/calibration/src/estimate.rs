@@ -76,7 +76,7 @@ impl Estimate {
                 joint
                     .parameters(campaign.design.stiffness_per_mass_per_s2)
                     .validate()
-                    .map_err(|error| error.to_string())?;
+                    .map_err(|error| no_sensor(&error))?;
                 Ok(joint)
             });
         progress.part();
@@ -95,5 +95,20 @@ impl Estimate {
     #[must_use]
     pub fn noise(&self) -> Option<&Covariance> {
         self.propagated.as_ref().map(|(_, found)| &found.noise)
+    }
+}
+
+/// Why a fit's parameters are no sensor's. What gives way under the sensor adds to its acceleration as the square of the frequency, as soft
+/// limbs do.
+fn no_sensor(error: &sixaxis_core::Error) -> String {
+    match error {
+        sixaxis_core::Error::OutOfRange {
+            name: "stiffness_per_mass_per_s2",
+            value,
+            ..
+        } => format!(
+            "it takes k/m = {value:.1e} 1/s², which no limbs have: what the sensor is mounted on may give way, or ring"
+        ),
+        error => error.to_string(),
     }
 }

@@ -271,12 +271,13 @@ pub fn put_taps(reports: &mut [ParameterReport], taps: &Taps) {
     report.half_width_95 = Some(found.half_width_95);
     report.from_noise = Some(found.from_noise);
     report.from_standards = Some(found.from_known);
-    report.dominated_by = if found.from_known > found.from_noise {
-        "what steps 2 and 3 leave"
-    } else {
-        "noise"
-    }
-    .to_owned();
+    let parts = [
+        (found.from_noise, "noise"),
+        (found.from_known, "what steps 2 and 3 leave"),
+        (found.from_holding, "how still the shell is held"),
+    ];
+    let largest = parts.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    report.dominated_by = largest.map_or("", |(_, what)| what).to_owned();
     report.determined = true;
     report.remark = match found.taps {
         1 => "from a tap".to_owned(),

@@ -24,6 +24,9 @@ const INERTIA_DEVIATION: f64 = 1e-6;
 const LEAST_NOISE: f64 = 1e-6;
 /// Share of what is known beforehand that a tap has of its own: half, for gains of ranges of which some differ.
 const OWN_SHARE: f64 = 0.5;
+/// What a shell that moves with a hundred times the seismic mass adds to k/m, relative, or flexures that carry half a per cent of the axial load
+/// across: nobody states either, and inertias tell no more of them than they are known to.
+const HELD: f64 = 0.01;
 /// How often chance alone may leave inertias as far from those that are known.
 const BY_CHANCE: f64 = 1e-3;
 /// Standard errors of their difference by which a tap may be off from all taps' mean.
@@ -49,6 +52,8 @@ pub struct Stiffness {
     pub from_noise: f64,
     /// Half width that errors of I/m and gains alone would give.
     pub from_known: f64,
+    /// Half width that how still the shell is held alone would give.
+    pub from_holding: f64,
     /// Taps that it is from.
     pub taps: usize,
 }
@@ -232,11 +237,13 @@ fn together(used: &[(&TapReport, &Tap)], remarks: &mut Vec<String>) -> Option<St
     let per_mass_per_s2 = ln.exp();
     let from_noise = NORMAL_95 * per_mass_per_s2 * wider / total.sqrt();
     let from_known = NORMAL_95 * per_mass_per_s2 * known;
+    let from_holding = HELD * per_mass_per_s2;
     Some(Stiffness {
         per_mass_per_s2,
-        half_width_95: from_noise.hypot(from_known),
+        half_width_95: from_noise.hypot(from_known).hypot(from_holding),
         from_noise,
         from_known,
+        from_holding,
         taps: used.len(),
     })
 }

@@ -111,9 +111,10 @@ fn inv_without_its_trials_stiffness_is_the_designs() {
 
 #[test]
 fn inv_taps_take_the_place_of_step_4() {
-    for (known, taps, what, remark) in [
-        (1e6, 1, "noise", "from a tap"),
-        (3e6, 4, "what steps 2 and 3 leave", "from 4 taps"),
+    for (known, holding, taps, what, remark) in [
+        (1e6, 1e5, 1, "noise", "from a tap"),
+        (3e6, 1e6, 4, "what steps 2 and 3 leave", "from 4 taps"),
+        (1e6, 3e6, 2, "how still the shell is held", "from 2 taps"),
     ] {
         let mut found = report(&session(), &steps(None), &LeftOut::default(), None);
         let before = found.clone();
@@ -127,6 +128,7 @@ fn inv_taps_take_the_place_of_step_4() {
                     half_width_95: 4e6,
                     from_noise: 2e6,
                     from_known: known,
+                    from_holding: holding,
                     taps,
                 }),
                 ..Taps::default()

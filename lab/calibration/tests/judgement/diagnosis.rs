@@ -534,10 +534,19 @@ fn inv_channels_that_are_not_their_limbs_are_named() {
         "scale factor -5.800 1/kg, of the other sign than the design's 5.800 1/kg",
     );
     with(ALL, |_, _, u| -u).shows(
-        Cause::WrongScaling,
+        Cause::InvertedChannel,
         &[],
         &[],
-        "all scale factors have the other sign",
+        "all scale factors have the other sign than the design's, and the inertias have not",
+    );
+    // As an accelerometer that is reversed in all of them.
+    let found = with(LINEAR, |_, _, u| -u).findings();
+    let reversed = "and so have the inertias: the standard accelerometer is reversed";
+    assert!(
+        found
+            .iter()
+            .any(|f| f.cause == Cause::WrongScaling && f.evidence.contains(reversed)),
+        "{found:#?}"
     );
 }
 

@@ -4,11 +4,14 @@
 //! lag and by which that grows along the runs, from the channels' responses ([`timing`]). The joint fit then says whether the trials
 //! agree to the noise with the standards read on that clock.
 
+use core::f64::consts::TAU;
+
 use rayon::prelude::*;
 use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::resample::CubicSpline;
 
 use super::Unaccounted;
+use super::freedoms::WORTH_A_WORD;
 use crate::diagnosis::fundamental;
 use crate::diagnosis::table::weighted_median;
 use crate::diagnosis::timing;
@@ -45,7 +48,7 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
             .abs()
             .max((clock.faster / faster.1).abs());
     }
-    let worth_a_fit = significance > WORTH_A_FIT;
+    let worth_a_fit = significance > WORTH_A_FIT && worth_a_word(day, clock);
     if !worth_a_fit {
         return None;
     }
@@ -61,6 +64,16 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     );
     let advice = "record sensor and standards on one clock, or state reference_start_s and both sample rates";
     Some(Finding::new(Cause::ClockMismatch, evidence, advice))
+}
+
+/// Whether it puts more of a channel's signal into quadrature at the fastest drive than nobody would notice.
+fn worth_a_word(day: &Unaccounted<'_>, clock: Clock) -> bool {
+    let trials = || day.campaign.trials.iter().map(|(trial, _)| trial);
+    let fastest_rad_s = TAU * trials().map(|t| t.frequency_hz).fold(0.0, f64::max);
+    let length_s = |t: &Trial| t.voltage_v.len() as f64 / t.sample_rate_hz;
+    let longest_s = trials().map(length_s).fold(0.0, f64::max);
+    let late_s = clock.behind_s.abs().max(clock.faster.abs() * longest_s);
+    late_s * fastest_rad_s > WORTH_A_WORD
 }
 
 /// How much faster the standards' clock runs, by the drive's frequency on both.

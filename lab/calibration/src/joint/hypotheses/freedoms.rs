@@ -24,7 +24,7 @@ const DELAY_S: f64 = 0.02;
 const BEYOND_DOUBT: f64 = 30.0;
 /// Share of a channel's signal that its delay puts into quadrature at the fastest drive, or a high-pass at the slowest, from which it is
 /// worth a word. Converters that take their channels in turn do less.
-const WORTH_A_WORD: f64 = 1e-3;
+pub(super) const WORTH_A_WORD: f64 = 1e-3;
 
 /// Frees what the session says of standards and channels, if it leaves room for that.
 type Freed = fn(&Unaccounted<'_>, &mut Certificates) -> Option<()>;

@@ -27,10 +27,12 @@ const FEWEST: usize = 3;
 /// Channels that are others: of nine six are the inertias' to explain.
 const MOST: usize = 2;
 /// Cross-talk of channels apart that hides one: beyond this, and so many times what is left where the channel is put right.
-const CROSS_TALK: f64 = 1e-4;
+const CROSS_TALK: f64 = 2e-4;
 const TIMES: f64 = 2.0;
-/// Cross-talk of channels apart that a change of a channel hides in, over that change, at least.
-const HIDES: f64 = 0.01;
+/// Cross-talk of channels apart that is left at most where a day is accounted for with a channel put right and not as it is.
+const ORDINARY: f64 = 5e-4;
+/// Cross-talk of channels apart that a change of a channel hides in, over that change, at least; a hundredth was seen and more.
+const HIDES: f64 = 0.005;
 /// Share of the squares of all cross-talk of channels apart that one channel has where it is none: of nine that are alike each has a ninth, and it
 /// three times that.
 const OF_ONE: f64 = 1.0 / 3.0;
@@ -112,12 +114,11 @@ pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<
 /// Whether less is left for cross-talk than in the fit that accounts for the day as it is, if one does, and that had as much of it as such a
 /// change hides in.
 fn is_better(other: &Other, joint: &JointReport, accounting: Option<&JointReport>) -> bool {
-    accounting.is_none_or(|without| {
-        let less = TIMES * left_for_others(joint) < left_for_others(without);
-        let change = other
-            .factors
-            .iter()
-            .fold(0.0, |most: f64, f| most.max((f - 1.0).abs()));
+    let left = left_for_others(joint);
+    accounting.map_or(left < ORDINARY, |without| {
+        let less = TIMES * left < left_for_others(without);
+        let off = other.factors.map(|factor| (factor - 1.0).abs());
+        let change = off.into_iter().fold(0.0, f64::max);
         let hides = left_for_others(without) > HIDES * change;
         less && hides && joint.estimate.squares < without.estimate.squares + BY_CHANCE
     })

@@ -23,14 +23,15 @@ pub fn section(calibrated: &CalibratedSession) -> Section {
     }
     let said = match &taps.stiffness {
         Some(found) => format!(
-            "{} give $k$/$m$ = {} 1/s² ± {} (95 %): {} from the recordings' noise, and {} from errors of inertias and gains, which all \
-             taps have in common. That is of a shell which does not follow the mass, and of flexures that carry no load across: a rig of a \
-             hundred times the sensor's mass adds 1 %.",
+            "{} give $k$/$m$ = {} 1/s² ± {} (95 %): {} from the recordings' noise, {} from errors of inertias and gains, which all \
+             taps have in common, and {} from how still the shell is held: if it follows the mass with a hundred times as much, $k$/$m$ \
+             comes out so much too large.",
             count(found.taps, "tap", "taps"),
             scientific(found.per_mass_per_s2, 5),
             share(Some(found.half_width_95 / found.per_mass_per_s2)),
             share(Some(found.from_noise / found.per_mass_per_s2)),
             share(Some(found.from_known / found.per_mass_per_s2)),
+            share(Some(found.from_holding / found.per_mass_per_s2)),
         ),
         None => "No tap determines $k$/$m$.".to_owned(),
     };
