@@ -19,7 +19,8 @@ pub fn session() -> &'static Path {
     static SESSION: OnceLock<Folder> = OnceLock::new();
     SESSION.get_or_init(|| {
         let folder = Folder::new("decouple-session");
-        done(&["simulate", "--out", text(&folder), "--seed", "3"]);
+        let how = ["--engine", "rigid", "--seed", "3"];
+        done(&[&["simulate", "--out", text(&folder)], &how[..]].concat());
         let path = folder.join("calibration.json");
         let toml = folder.join("session.toml");
         let calibrated = run(&["calibrate", text(&toml), "--out", text(&path)]);
