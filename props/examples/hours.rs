@@ -10,7 +10,8 @@ use sixaxis_props::publication::{Seeds, run};
 
 /// Seeds below were looked at while the filter was written.
 const REPORTED_FROM: u64 = 30_000;
-const COUNT: u64 = 32;
+/// Motions of a sample, and how long they are, s.
+const SAMPLE: u64 = 1;
 const SAMPLE_S: f64 = 600.0;
 const HOUR: Length<'_> = Length {
     played: Played::InEquilibrium,
@@ -23,11 +24,11 @@ const HOUR: Length<'_> = Length {
 fn main() -> ExitCode {
     let seeds = Seeds {
         first: REPORTED_FROM,
-        count: COUNT,
-        sample: 1,
+        count: 32,
+        sample: SAMPLE,
     };
     run(seeds, |first, count| {
-        let duration_s = match count < COUNT {
+        let duration_s = match count == SAMPLE {
             true => SAMPLE_S,
             false => HOUR.duration_s,
         };

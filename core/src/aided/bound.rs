@@ -1,5 +1,5 @@
 //! What aids leave open just before the next of them comes, when it is most: the steady state of the Riccati equation, for a sensor that
-//! stands still. Right after one less is open, with an attitude each second a third of the tilt.
+//! stands still. Right after one less is open, with an attitude each second a third less of the tilt.
 
 use glam::DVec3;
 

@@ -35,6 +35,15 @@ const BENDINGS: usize = 3;
 const UNKNOWN_RATE_RAD_S: f64 = 10.0;
 const UNKNOWN_VELOCITY_M_S: f64 = 1e3;
 
+/// Deviation of a dynamic error of which nothing is known.
+fn unknown(place: usize) -> f64 {
+    match place {
+        ATTITUDE..RATE => TURN_RAD,
+        RATE..VELOCITY => UNKNOWN_RATE_RAD_S,
+        _ => UNKNOWN_VELOCITY_M_S,
+    }
+}
+
 /// Covariance of the errors.
 pub type ErrorCovariance = SMatrix<f64, ERRORS, ERRORS>;
 
@@ -234,7 +243,7 @@ impl ErrorFilter {
 
     pub(super) fn update(&mut self, measurement: &Measurement) -> Option<Update> {
         if self.lost && measurement.place == ATTITUDE {
-            self.forget();
+            self.forget_attitude();
             self.lost = false;
         }
         let p = &self.covariance;
@@ -300,24 +309,33 @@ impl ErrorFilter {
         self.scale(0..DYNAMIC, 2.0);
     }
 
-    /// A motion that nothing held for long leaves a covariance that means nothing, or that none can be: attitude and velocity are
-    /// then unknown, and rate and parameters as uncertain as before, each by itself. The rate's equation has no attitude in it; taken for
-    /// unknown as well it would turn the sensor by a radian from one attitude to the next, which then tells nothing of it.
+    /// A motion that nothing held for long leaves an attitude, and a velocity, of which nothing is known. Rate and parameters are as before: the
+    /// rate's equation has no attitude in it. Taken for unknown as well it would turn the sensor by a radian from one attitude to the next,
+    /// which then tells nothing of it.
+    fn forget_attitude(&mut self) {
+        self.bending = Bending::none();
+        for place in (ATTITUDE..RATE).chain(VELOCITY..DYNAMIC) {
+            self.covariance.row_mut(place).fill(0.0);
+            self.covariance.column_mut(place).fill(0.0);
+            self.covariance[(place, place)] = unknown(place) * unknown(place);
+        }
+        for place in RATE..VELOCITY {
+            let deviation = sqrt(self.covariance[(place, place)]);
+            if deviation > UNKNOWN_RATE_RAD_S {
+                self.scale(place..place + 1, UNKNOWN_RATE_RAD_S / deviation);
+            }
+        }
+    }
+
+    /// A covariance that none can be means nothing: attitude, rate and velocity are unknown, and parameters as uncertain as before, each by
+    /// itself.
     fn forget(&mut self) {
         self.bending = Bending::none();
         let variances = self.covariance.diagonal();
         let sound = |variance: f64| variance.is_finite() && variance >= 0.0;
-        let most = |place: usize| match place {
-            ATTITUDE..RATE => TURN_RAD,
-            RATE..VELOCITY => UNKNOWN_RATE_RAD_S,
-            _ => UNKNOWN_VELOCITY_M_S,
-        };
-        let is_rate = |place: usize| (RATE..VELOCITY).contains(&place);
         self.covariance = ErrorCovariance::from_diagonal(&SMatrix::from_fn(|place, _| {
-            if is_rate(place) && sound(variances[place]) {
-                variances[place].min(most(place) * most(place))
-            } else if place < DYNAMIC {
-                most(place) * most(place)
+            if place < DYNAMIC {
+                unknown(place) * unknown(place)
             } else if sound(variances[place]) {
                 variances[place]
             } else {

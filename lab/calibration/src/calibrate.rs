@@ -39,7 +39,7 @@ use crate::diagnosis::{Diagnosis, examine, rig, zero};
 use crate::error::Result;
 use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding, in_a_sentence};
-use crate::grade::{JudgedBy, failures, grade, misstated_drives, reservations};
+use crate::grade::{JudgedBy, failures, grade, misstated_drives, reservations, worst};
 use crate::iteration::{Criterion, Iteration};
 use crate::joint::JointReport;
 use crate::prepare::PreparedSession;
@@ -244,7 +244,10 @@ pub fn calibrate(
     }
     if let Some(chosen) = &chosen {
         reservations.extend(chosen.reservations());
-        reservations.extend(chosen.set_aside(&prepared.campaign));
+        let of_runs = trials.iter().filter_map(|trial| trial.validation);
+        let by_steps = 100.0 * worst(&of_runs.flatten().collect::<Vec<_>>());
+        let limit = session.limits.validation_percent;
+        reservations.extend(chosen.set_aside(&prepared.campaign, by_steps, limit));
     }
     let (grade, sentence) = grade(&findings, &reservations, &trials, chosen.is_some());
     let calibration = chosen

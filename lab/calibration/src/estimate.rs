@@ -107,7 +107,7 @@ fn no_sensor(error: &sixaxis_core::Error) -> String {
             value,
             ..
         } => format!(
-            "it takes k/m = {value:.1e} 1/s², which no limbs have: what the sensor is mounted on may give way, or ring"
+            "the fit takes k/m = {value:.1e} 1/s², which no limbs have: what the sensor is mounted on may give way, or ring"
         ),
         error => error.to_string(),
     }

@@ -17,6 +17,8 @@ const BEYOND_DOUBT: f64 = 2.0;
 const GAIN_SIGNIFICANT: f64 = 5.0;
 /// Trials of a step from which leaving one out proves something.
 const TRIALS_WANTED: usize = 6;
+/// Distance from an end of the gains that are searched at which one was found there.
+const AT_AN_END: f64 = 1e-6;
 
 /// The largest of some errors; what is not a number is infinitely large.
 pub(crate) fn worst(errors: &[f64]) -> f64 {
@@ -133,8 +135,8 @@ pub(crate) fn failures(
         && (gain - 1.0).abs() > gyroscope_class + GAIN_SIGNIFICANT * error
     {
         let or_beyond = match gain {
-            gain if gain < GAIN_RANGE.0 + error => " or less",
-            gain if gain > GAIN_RANGE.1 - error => " or more",
+            gain if gain - GAIN_RANGE.0 < AT_AN_END => " or less",
+            gain if GAIN_RANGE.1 - gain < AT_AN_END => " or more",
             _ => "",
         };
         let by_euler = format!(

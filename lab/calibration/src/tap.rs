@@ -25,9 +25,10 @@ const LEAST_NOISE: f64 = 1e-6;
 /// Share of what is known beforehand that a tap has of its own: half, for gains of ranges of which some differ.
 const OWN_SHARE: f64 = 0.5;
 /// What a shell that moves with a hundred times the seismic mass adds to k/m, relative, or flexures that carry half a per cent of the axial load
-/// across: nobody states either, and inertias tell no more of them than they are known to.
+/// across. Nobody states either, and inertias tell them only where they are off by more than the angular trials leave open.
 const HELD: f64 = 0.01;
-/// How often chance alone may leave inertias as far from those that are known.
+/// How often inertias that are off by normal errors of the covariance that is known are taken for others. Those of a few wedges' trials scatter
+/// more widely.
 const BY_CHANCE: f64 = 1e-3;
 /// Standard errors of their difference by which a tap may be off from all taps' mean.
 const DISAGREE: f64 = 4.0;
@@ -94,9 +95,7 @@ impl Taps {
         let mut remarks: Vec<String> = reports
             .iter()
             .filter_map(|report| Some((report, report.outcome.as_ref().err()?)))
-            .map(|(report, cause)| {
-                format!("{}: says nothing of k/m: {cause}; tap again", report.name)
-            })
+            .map(|(report, cause)| format!("{}: says nothing of k/m: {cause}", report.name))
             .collect();
         let used: Vec<(&TapReport, &Tap)> = reports
             .iter()
@@ -126,12 +125,12 @@ fn evaluate(
         sample_rate_hz: trial.sample_rate_hz,
         full_scale_v: trial.full_scale_v,
     };
-    let tap = tap::identify(&setup, &trial.voltage_v).map_err(|e| e.to_string())?;
+    let tap = tap::identify(&setup, &trial.voltage_v).map_err(|e| format!("{e}; tap again"))?;
     if tap.verdict.is_determined() {
         let off = inertia_departure(&tap, parameters, &covariance);
         match off {
             Some(percent) => Err(format!(
-                "its modes ask for inertias that are {percent:+.1} % from those of the angular trials, more than these leave open, and k/m would be off like that: the shell must be held still by far more mass than the sensor's, and flexures carry no load across"
+                "its modes ask for other inertias than the angular trials, {percent:+.1} % in their sum, and more than these leave open: either the shell follows the mass, by which k/m would be off as much, and must be held by far more mass, or a standard's gain, or an angular trial, is wrong"
             )),
             None => Ok(tap),
         }
@@ -142,12 +141,12 @@ fn evaluate(
         }
     ) {
         Err(format!(
-            "what follows the blow is not the decay of six modes, {:.1} % of it is left over; the shell must be held still, gain_n_per_v be this recording's, limbs alike to some tenths of a per cent and damped in proportion to their stiffness",
+            "what follows the blow is not the decay of six modes, {:.1} % of it is left over; the shell must be held still, gain_n_per_v be this recording's, limbs alike to some tenths of a per cent and damped in proportion to their stiffness; tap again",
             100.0 * tap.residual_over_signal
         ))
     } else {
         Err(format!(
-            "its noise leaves k/m uncertain by {:.0} %",
+            "its noise leaves k/m uncertain by {:.0} %; tap again",
             100.0 * tap.standard_error_ln
         ))
     }

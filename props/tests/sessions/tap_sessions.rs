@@ -140,7 +140,8 @@ fn law_a_tap_that_asks_for_other_inertias_is_refused() {
     let judgement = judged(&played, "follows");
     let remark = judgement.taps.remarks.first().expect("a remark");
     assert!(
-        remark.contains("tap-01") && remark.contains("its modes ask for inertias that are +"),
+        remark.contains("tap-01")
+            && remark.contains("its modes ask for other inertias than the angular trials, +"),
         "{remark}"
     );
     assert!(judgement.taps.stiffness.is_none());

@@ -208,18 +208,18 @@ pub fn inverted(
         let (cause, which, advice) = match trace {
             Some(trace) if trace > 0.0 => (
                 Cause::InvertedChannel,
-                ", and the inertias have not: all channels are inverted, or both standards reversed",
-                "give each gain_n_per_v a minus sign, as that of a charge amplifier that inverts, or see to both standards' polarity",
+                ", and the inertias have not: all channels are inverted, or all directions stated the other way round",
+                "change the sign of each gain_n_per_v, which is negative of a charge amplifier that inverts, or turn all directions round",
             ),
-            Some(_) => (
+            Some(trace) if trace < 0.0 => (
                 Cause::WrongScaling,
                 ", and so have the inertias: the standard accelerometer is reversed",
                 "turn the accelerometer's polarity round, or the wedges' directions",
             ),
-            None => (
+            _ => (
                 Cause::WrongScaling,
                 ": the standard accelerometer is reversed, or all channels are inverted",
-                "turn the accelerometer's polarity round, or give each gain_n_per_v a minus sign",
+                "turn the accelerometer's polarity round, or change the sign of each gain_n_per_v",
             ),
         };
         let evidence = format!("all scale factors have the other sign than the design's{which}");

@@ -20,7 +20,8 @@ use crate::finding::{Cause, Finding};
 
 /// Standard deviations from which something is there and not noise.
 pub(super) const SIGNIFICANT: f64 = 6.0;
-/// Share of a certificate's limit by which a gain may be beyond it: what the model has not, of a level axis above all, is in no deviation.
+/// Share of a certificate's limit by which a gain that the fit finds may be beyond it: the fit's deviation knows of noise, and a level axis, above
+/// all, has more that the model leaves out.
 const AT_THE_LIMIT: f64 = 0.02;
 /// Standard deviations by which the gyroscope's gain must leave its certificate.
 const BEYOND_CERTIFICATE: f64 = 4.0;

@@ -108,8 +108,9 @@ impl Means {
         }
     }
 
-    /// A channel that does more in it than noise, which varies from block to block as it does over all of them, and a drift that is small
-    /// beside the largest change between the rests, V; and by how much, V.
+    /// A channel that moves slowly in it, and by how much, V (root mean square). Noise varies as much from block to block as over all of them; a
+    /// drift is no motion as long as it is small beside the largest change between the rests, V. Motion faster than eight blocks or so is not
+    /// seen, and its mean is none.
     fn moves(&self, largest_v: f64) -> Option<(usize, f64)> {
         let deviation = |limb: usize| (self.squares[limb] / (self.blocks - 1.0)).sqrt();
         let moving = |limb: &usize| {
@@ -132,7 +133,7 @@ impl Means {
 const WILD: u64 = 10;
 /// Blocks that a rest must have.
 const FEWEST_BLOCKS: f64 = 8.0;
-/// Variance of a rest's blocks, over half the mean square of their steps: 1 of noise. Eight blocks of noise exceed it once in 16,000 times.
+/// Variance of a rest's blocks, over half the mean square of their steps: 1 of noise. Eight blocks of white noise exceed it once in 16,000 times.
 const MOVES: f64 = 8.0;
 /// Deviation of a rest's blocks over the largest change between the rests, from which it bends that change.
 const OF_CHANGE: f64 = 0.01;
@@ -211,7 +212,7 @@ impl Measured {
                 for (rest, means) in rests.iter().zip(&means) {
                     if let Some((limb, by_v)) = means.moves(largest_v) {
                         bail!(
-                            "--rests: in {}-{} s of {place} the sensor does not rest: channel {} moves by {by_v:.2e} V (root mean square), more than its noise",
+                            "--rests: in {}-{} s of {place} the sensor does not rest: channel {} moves slowly by {by_v:.2e} V (root mean square)",
                             rest.from_s,
                             rest.to_s,
                             names[limb]

@@ -16,6 +16,8 @@ use super::wire::{NO_TEXT, WireError, is_remark, number, standards};
 use super::{Begin, Event, LONGEST_BATCH, Sender, Start, TOLD};
 use crate::columns::Batch;
 
+/// Lines that may be headings.
+const HEADINGS: u64 = 100;
 /// Time between two looks at the file.
 const LOOK: Duration = Duration::from_millis(100);
 
@@ -86,7 +88,7 @@ impl Follower {
         let mut batch = Batch::default();
         let mut bytes = Vec::new();
         let (mut at, mut line, mut begun) = (0_u64, 0_u64, false);
-        let mut refused = 0;
+        let mut refused = 0_u64;
         loop {
             bytes.clear();
             let got = file.read_until(b'\n', &mut bytes)?;
@@ -110,14 +112,19 @@ impl Follower {
                     self.append(&row, &mut batch);
                 }
                 // Headings and remarks are no rows of numbers.
-                Err(_) if !begun || is_remark(&bytes) => {}
+                Err(_) if is_remark(&bytes) || (!begun && line <= HEADINGS) => {}
                 Err(cause) => {
                     refused += 1;
-                    if refused <= TOLD {
-                        let refused = WireError::Row { line, cause };
-                        let told =
-                            format!("{}, {refused}; the row is passed over", self.start.title);
-                        sender.send(Event::Note(told))?;
+                    let refusal = WireError::Row { line, cause };
+                    let told = format!("{}, {refusal}; the row is passed over", self.start.title);
+                    match refused {
+                        ..=TOLD => sender.send(Event::Note(told))?,
+                        // 10, 100, 1,000 ...
+                        _ if 10_u64.pow(refused.ilog10()) == refused => {
+                            let told = format!("{told}, the {refused}th that is none");
+                            sender.send(Event::Note(told))?;
+                        }
+                        _ => {}
                     }
                 }
             }

@@ -31,7 +31,7 @@ use crate::control::Command;
 
 /// Batches that may wait for the acquisition.
 pub const WAITING: usize = 256;
-/// Refused rows that are told one by one.
+/// Refused rows that are told one by one; of the others it is said how many there are.
 const TOLD: u64 = 5;
 /// Samples of a batch at most.
 pub const LONGEST_BATCH: usize = 4096;

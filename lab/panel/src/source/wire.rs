@@ -147,35 +147,40 @@ impl Head {
 /// Both reference instruments, where both are there in units of motion; without a unit, in SI.
 ///
 /// # Errors
-/// [`sixaxis_recordings::Error::Unit`] for a unit that is not known.
+/// [`sixaxis_recordings::Error::Unit`] for a unit that is not known, where the session states no other.
 pub(super) fn standards(
     path: &Path,
     layout: &Layout,
     channels: &Channels,
 ) -> sixaxis_recordings::Result<Option<[Column; 2]>> {
-    let find = |name: &str, stated: Option<&String>| {
-        let Some(index) = layout.position(name) else {
-            return Ok(None);
-        };
-        let size_si = match layout.channels[index].unit.as_ref().or(stated) {
-            None => 1.0,
-            Some(text) => match unit::named(text) {
-                Some(Unit::Acceleration(size) | Unit::Rate(size)) => size,
-                Some(_) => return Ok(None),
-                None => {
-                    return Err(sixaxis_recordings::Error::Unit {
-                        file: path.display().to_string(),
-                        channel: name.to_owned(),
-                        cause: format!("unit {text:?} is not known"),
-                    });
-                }
-            },
+    let places = [&channels.accelerometer, &channels.gyroscope].map(|name| layout.position(name));
+    let [Some(accelerometer), Some(gyroscope)] = places else {
+        return Ok(None);
+    };
+    let column = |index: usize, stated: Option<&String>| {
+        let channel = &layout.channels[index];
+        let texts = [channel.unit.as_ref(), stated];
+        let known = texts
+            .into_iter()
+            .flatten()
+            .find_map(|text| unit::named(text));
+        let size_si = match (known, texts) {
+            (Some(Unit::Acceleration(size) | Unit::Rate(size)), _) => size,
+            (None, [None, None]) => 1.0,
+            (Some(_), _) => return Ok(None),
+            (None, [own, stated]) => {
+                let text = own.or(stated).map_or("", String::as_str);
+                return Err(sixaxis_recordings::Error::Unit {
+                    file: path.display().to_string(),
+                    channel: channel.name.clone(),
+                    cause: format!("unit {text:?} is not known; give the session a *_unit for it"),
+                });
+            }
         };
         Ok(Some(Column::new(layout, index, size_si)))
     };
-    let accelerometer = channels.accelerometer_unit.as_ref();
-    let accelerometer = find(&channels.accelerometer, accelerometer)?;
-    let gyroscope = find(&channels.gyroscope, channels.gyroscope_unit.as_ref())?;
+    let accelerometer = column(accelerometer, channels.accelerometer_unit.as_ref())?;
+    let gyroscope = column(gyroscope, channels.gyroscope_unit.as_ref())?;
     Ok(accelerometer.zip(gyroscope).map(<[Column; 2]>::from))
 }
 

@@ -262,7 +262,8 @@ impl Facts {
         }
     }
 
-    /// At rest, where there is nothing but noise, a sample that is none; a converter's last bit that seldom changes is.
+    /// Samples far outside the noise of a channel at rest, as long as they are few: many widen the deviation that they are held against. A single
+    /// step of the converter is none.
     fn of_wild_samples(&mut self, channel: &ChannelFacts) {
         let ends = [
             channel.minimum,

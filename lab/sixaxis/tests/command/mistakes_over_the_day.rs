@@ -802,7 +802,7 @@ fn inv_a_contradiction_that_hardly_matters_is_a_reservation() {
     });
     assert_eq!(code, 3, "{said}");
     assert!(
-        said.contains("have been made") && !said.contains("use the four steps"),
+        said.contains("have been made") && !said.contains("those of the four steps"),
         "{said}"
     );
 }

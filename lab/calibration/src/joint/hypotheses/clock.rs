@@ -66,13 +66,14 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     Some(Finding::new(Cause::ClockMismatch, evidence, advice))
 }
 
-/// Whether it puts more of a channel's signal into quadrature at the fastest drive than nobody would notice.
+/// Whether it puts so much of a signal into quadrature at the fastest drive, at one of a run's ends, that it is worth a word.
 fn worth_a_word(day: &Unaccounted<'_>, clock: Clock) -> bool {
     let trials = || day.campaign.trials.iter().map(|(trial, _)| trial);
     let fastest_rad_s = TAU * trials().map(|t| t.frequency_hz).fold(0.0, f64::max);
     let length_s = |t: &Trial| t.voltage_v.len() as f64 / t.sample_rate_hz;
     let longest_s = trials().map(length_s).fold(0.0, f64::max);
-    let late_s = clock.behind_s.abs().max(clock.faster.abs() * longest_s);
+    let at_the_end_s = clock.behind_s + clock.faster * longest_s;
+    let late_s = clock.behind_s.abs().max(at_the_end_s.abs());
     late_s * fastest_rad_s > WORTH_A_WORD
 }
 

@@ -22,7 +22,7 @@ const DELAY_S: f64 = 0.02;
 
 /// Standard deviations of its unknown from which a freedom is needed: one that is not takes up what is left of anything, but little.
 const BEYOND_DOUBT: f64 = 30.0;
-/// Share of a channel's signal that its delay puts into quadrature at the fastest drive, or a high-pass at the slowest, from which it is
+/// Share of a signal that a delay puts into quadrature at the fastest drive, or a high-pass at the slowest, from which it is
 /// worth a word. Converters that take their channels in turn do less.
 pub(super) const WORTH_A_WORD: f64 = 1e-3;
 

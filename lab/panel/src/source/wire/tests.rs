@@ -70,7 +70,7 @@ fn law_heads_that_are_none_are_refused() {
             "u1",
         ),
         (
-            "sixaxis rate=1000 columns=u1,u2,u3,u4,u5,u6,u7,u8,u9,gyroscope[deg/h]\n",
+            "sixaxis rate=1000 columns=u1,u2,u3,u4,u5,u6,u7,u8,u9,accelerometer,gyroscope[deg/h]\n",
             "deg/h",
         ),
     ] {
