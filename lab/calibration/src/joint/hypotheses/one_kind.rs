@@ -27,11 +27,12 @@ const FEWEST: usize = 3;
 /// Channels that are others: of nine six are the inertias' to explain.
 const MOST: usize = 2;
 /// Cross-talk of channels apart that hides one: beyond this, and so many times what is left where the channel is put right.
-const CROSS_TALK: f64 = 2e-4;
+const CROSS_TALK: f64 = 1e-4;
 const TIMES: f64 = 2.0;
 /// Cross-talk of channels apart that is left at most where a day is accounted for with a channel put right and not as it is.
 const ORDINARY: f64 = 5e-4;
-/// Cross-talk of channels apart that a change of a channel hides in, over that change, at least: channels that showed 1 and 2 % less had 7e-4 and more.
+/// Cross-talk of channels apart that a change of a channel hides in, over that change, at least: of channels that showed 1 and 2 % less six
+/// thousandths and more were seen.
 const HIDES: f64 = 0.005;
 /// Share of the squares of all cross-talk of channels apart that one channel has where it is none: of nine that are alike each has a ninth, and it
 /// three times that.
