@@ -38,6 +38,7 @@ pub fn sensor(parameters: &Parameters) -> TrueSensor {
             parameters.inertia_per_mass.to_paper_order(),
         ),
         stiffness_per_mass_per_s2: parameters.stiffness_per_mass_per_s2,
+        mass_centre_m: [0.0; 3],
     }
 }
 

@@ -66,7 +66,7 @@ impl Displaced {
         }
     }
 
-    /// Force and torque about the mass's centre, over its mass, with which it stays at this pose in the shell: m/s^2 and m^2/s^2, shell
+    /// Force and torque about the cube's centre, over the mass, with which it stays at this pose in the shell: m/s^2 and m^2/s^2, shell
     /// axes.
     fn asked(
         &self,
@@ -76,14 +76,14 @@ impl Displaced {
     ) -> Vector6<f64> {
         let rate = motion.rate_shell_rad_s;
         let angular = motion.attitude.inverse() * motion.angular_ground_rad_s2;
-        let carried =
-            angular.cross(self.displacement_m) + rate.cross(rate.cross(self.displacement_m));
-        let force = motion.specific_force_shell_m_s2(gravity_ground_m_s2) + carried;
         let turned = DQuat::from_scaled_axis(self.rotation_rad);
+        let centre_m = turned * DVec3::from_array(sensor.mass_centre_m);
+        let force = motion.specific_force_shell_m_s2(gravity_ground_m_s2)
+            + motion.carried_m_s2(self.displacement_m + centre_m);
         let back = turned.inverse();
         let torque =
             turned * torque_per_mass(&sensor.inertia_per_mass, back * rate, back * angular);
-        six(force, torque)
+        six(force, torque + centre_m.cross(force))
     }
 
     /// Force and torque of the limbs on the mass, as [`Self::asked`].

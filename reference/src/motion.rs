@@ -42,6 +42,14 @@ impl TrueMotion {
     pub fn specific_force_shell_m_s2(&self, gravity_ground_m_s2: DVec3) -> DVec3 {
         self.attitude.inverse() * (self.linear_ground_m_s2 - gravity_ground_m_s2)
     }
+
+    /// What a point of the shell, m from its centre, is accelerated by beside that centre, shell axes, m/s^2.
+    #[must_use]
+    pub fn carried_m_s2(&self, point_m: DVec3) -> DVec3 {
+        let rate = self.rate_shell_rad_s;
+        let angular = self.attitude.inverse() * self.angular_ground_rad_s2;
+        angular.cross(point_m) + rate.cross(rate.cross(point_m))
+    }
 }
 
 /// A motion as a simulator saw it: limb forces and true motion at the sampling instants.

@@ -15,9 +15,9 @@ use crate::sensor::{InertiaPerMass, TrueSensor};
 /// What an instant asks of the limbs, over the mass, shell axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
-    /// Acceleration less gravity, m/s^2.
+    /// Acceleration of the mass's centre less gravity, m/s^2.
     pub specific_force_m_s2: DVec3,
-    /// Torque about the mass's centre, m^2/s^2.
+    /// Torque about that centre, m^2/s^2.
     pub torque_m2_s2: DVec3,
 }
 
@@ -54,6 +54,7 @@ pub struct RigidSensor {
     /// Forces per mass over acceleration and torque per mass.
     load_sharing: SMatrix<f64, LIMBS, 6>,
     inertia: InertiaPerMass,
+    centre_m: DVec3,
 }
 
 impl RigidSensor {
@@ -65,13 +66,19 @@ impl RigidSensor {
         Some(Self {
             load_sharing: weighted * (wrenches.transpose() * weighted).try_inverse()?,
             inertia: sensor.inertia_per_mass,
+            centre_m: DVec3::from_array(sensor.mass_centre_m),
         })
     }
 
     /// Limb forces per mass, m/s^2, under a load.
     #[must_use]
     pub fn forces_m_s2(&self, load: &Load) -> [f64; LIMBS] {
-        (self.load_sharing * load.wrench()).into()
+        // The limbs hold the cube about its centre.
+        let about_the_cube = Load {
+            torque_m2_s2: load.torque_m2_s2 + self.centre_m.cross(load.specific_force_m_s2),
+            ..*load
+        };
+        (self.load_sharing * about_the_cube.wrench()).into()
     }
 
     /// A whole run of the rig. A pinion turns about an axis that is the same in shell and ground.
@@ -98,7 +105,8 @@ impl RigidSensor {
                 };
                 let specific = motion.linear_ground_m_s2 - gravity_ground_m_s2;
                 let load = Load {
-                    specific_force_m_s2: motion.attitude.inverse() * specific,
+                    specific_force_m_s2: motion.attitude.inverse() * specific
+                        + motion.carried_m_s2(self.centre_m),
                     torque_m2_s2: torque_per_mass(
                         &self.inertia,
                         motion.rate_shell_rad_s,

@@ -82,10 +82,17 @@ pub struct TrueSensor {
     pub zero_drift_v: [f64; LIMBS],
     /// s_i/m, scale factor over mass, 1/kg: equation (11).
     pub scale_per_mass_per_kg: [f64; LIMBS],
-    /// I/m: equation (16).
+    /// I/m about the mass's centre: equation (16).
     pub inertia_per_mass: InertiaPerMass,
     /// k/m, stiffness of one limb over the mass, s^-2: equation (2).
     pub stiffness_per_mass_per_s2: f64,
+    /// From the cube's centre, which the limbs are arranged about, to that of its mass, mass axes, m; the paper's sensor has it there.
+    #[serde(skip_serializing_if = "is_the_cubes")]
+    pub mass_centre_m: [f64; 3],
+}
+
+fn is_the_cubes(mass_centre_m: &[f64; 3]) -> bool {
+    *mass_centre_m == [0.0; 3]
 }
 
 impl TrueSensor {
@@ -100,6 +107,7 @@ impl TrueSensor {
                 paper::DESIGN_INERTIA_PER_MASS_MM2.map(|i| i * 1e-6),
             ),
             stiffness_per_mass_per_s2: paper::DESIGN_STIFFNESS_PER_MASS_PER_S2,
+            mass_centre_m: [0.0; 3],
         }
     }
 
@@ -114,6 +122,7 @@ impl TrueSensor {
                 paper::INERTIA_PER_MASS_MM2.map(|i| i * 1e-6),
             ),
             stiffness_per_mass_per_s2: paper::STIFFNESS_PER_MASS_PER_S2,
+            mass_centre_m: [0.0; 3],
         }
     }
 
@@ -164,6 +173,7 @@ impl TrueSensor {
                 }
             })),
             stiffness_per_mass_per_s2: rng.random_range(STIFFNESS_PER_S2.0..STIFFNESS_PER_S2.1),
+            mass_centre_m: [0.0; 3],
         }
     }
 }

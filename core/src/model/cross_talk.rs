@@ -1,17 +1,24 @@
-//! Cross-talk: what a channel shows of the other limbs' forces, and how it is undone.
+//! Cross-talk: what a channel shows of the other limbs' forces, and how it is undone; with it, what the limbs bear because the mass's
+//! centre is not the cube's.
 //!
-//! Of the limb forces f over the mass, channel i shows f_i + sum over j of X_ij f_j, so that f = (1 + X)^-1 times what is shown. In
-//! volts, with F the diagonal of forces over the mass per volt and d the zero drifts,
+//! Of the limb forces f over the mass, channel i shows f_i + sum over j of X_ij f_j, so that f = (1 + X)^-1 times what is shown. About the
+//! cube's centre, from which the mass's is c, these have the torque c x sum of f_i e_i beside the one about the mass's own, which the
+//! decoupler wants; T takes it off, shared among the limbs as by the least squares of the nine. In volts, with F the diagonal of forces over the
+//! mass per volt and d the zero drifts,
 //!
 //! ```text
-//! v' = d + F^-1 (1 + X)^-1 F (v - d).
+//! v' = d + F^-1 T (1 + X)^-1 F (v - d).
 //! ```
+//!
+//! What is decoupled then is the acceleration of the mass's centre.
 
+use glam::DVec3;
 use nalgebra::SMatrix;
 
 use super::{Parameters, Sensor};
+use crate::columns::stacked;
 use crate::error::{Error, Result, require_finite};
-use crate::geometry::LIMBS;
+use crate::geometry::{DIRECTIONS_SHELL, LIMBS};
 use crate::limb_set::LimbSet;
 
 /// Undoes the cross-talk of one recording, of which the gains are known.
@@ -23,18 +30,24 @@ pub struct CrossTalk {
 }
 
 impl CrossTalk {
-    /// From the share of each limb's force (column) that each channel shows (row); the diagonal, a limb's own force, is passed over.
+    /// From the share of each limb's force (column) that each channel shows (row), the diagonal, a limb's own force, being passed over; and
+    /// from where the mass's centre is from the cube's, sensor axes, m.
     ///
     /// # Errors
-    /// Those of [`Parameters::validate`] and of the gains; [`Error::NotFinite`] for a share that is none; [`Error::OutOfRange`] for
-    /// shares that cannot be told apart.
+    /// Those of [`Parameters::validate`], of the geometry and of the gains; [`Error::OutOfRange`] for shares that cannot be told apart, or
+    /// shares or a place that are none.
     pub fn new(
         sensor: &Sensor,
         parameters: &Parameters,
         shares: &[[f64; LIMBS]; LIMBS],
+        mass_centre_m: [f64; 3],
     ) -> Result<Self> {
         parameters.validate()?;
+        sensor.geometry.validate()?;
         sensor.gains.validate()?;
+        for along_m in mass_centre_m {
+            require_finite("mass_centre_m", along_m)?;
+        }
         for &share in shares.as_flattened() {
             require_finite("share of cross-talk", share)?;
         }
@@ -50,6 +63,8 @@ impl CrossTalk {
             shown.determinant(),
             "less than the limbs' own forces",
         ))?;
+        let undone = about_the_mass(sensor, DVec3::from_array(mass_centre_m))
+            .map_or(undone, |about_the_mass| about_the_mass * undone);
         let force_per_v: [f64; LIMBS] = core::array::from_fn(|i| {
             parameters.scale_per_mass_per_kg[i] * sensor.gains.gain_n_per_v[i]
         });
@@ -90,6 +105,18 @@ impl CrossTalk {
     }
 }
 
+/// T; none for a mass in the middle, which it changes nothing for.
+fn about_the_mass(sensor: &Sensor, centre_m: DVec3) -> Option<SMatrix<f64, LIMBS, LIMBS>> {
+    if centre_m == DVec3::ZERO {
+        return None;
+    }
+    let jacobian = sensor.geometry.limb_jacobian();
+    let sharing = jacobian * (jacobian.transpose() * jacobian).try_inverse()?;
+    let too_much = DIRECTIONS_SHELL.map(|along| stacked(DVec3::ZERO, centre_m.cross(along)));
+    let too_much = SMatrix::<f64, 6, LIMBS>::from_columns(&too_much);
+    Some(SMatrix::identity() - sharing * too_much)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -113,8 +140,39 @@ mod tests {
             let others = (0..LIMBS).filter(|j| *j != i);
             force[i] + others.map(|j| shares[i][j] * force[j]).sum::<f64>()
         });
-        let cross_talk = CrossTalk::new(&sensor, &parameters, &shares).expect("small shares");
+        let cross_talk =
+            CrossTalk::new(&sensor, &parameters, &shares, [0.0; 3]).expect("small shares");
         (cross_talk, volts(force), volts(&shown))
+    }
+
+    /// Force and torque about the cube's centre of nine limb forces.
+    fn wrench(force: &[f64; LIMBS]) -> (DVec3, DVec3) {
+        let (along, hinges) = (DIRECTIONS_SHELL, fixture::SENSOR.geometry.mass_hinges_m());
+        (0..LIMBS).fold((DVec3::ZERO, DVec3::ZERO), |(f, t), i| {
+            let one = along[i] * force[i];
+            (f + one, t + hinges[i].cross(one))
+        })
+    }
+
+    #[test]
+    fn torque_of_a_mass_off_the_middle_is_taken_off() {
+        let (sensor, parameters) = (fixture::SENSOR, fixture::parameters());
+        let centre = [3e-4, -2e-4, 1e-4];
+        let none = [[0.0; LIMBS]; LIMBS];
+        let per_v: [f64; LIMBS] = core::array::from_fn(|i| {
+            parameters.scale_per_mass_per_kg[i] * sensor.gains.gain_n_per_v[i]
+        });
+        let shown: [f64; LIMBS] = core::array::from_fn(|i| 3.0 * (i as f64 + 0.5).cos());
+        let volts = core::array::from_fn(|i| parameters.zero_drift_v[i] + shown[i] / per_v[i]);
+        let undone = CrossTalk::new(&sensor, &parameters, &none, centre)
+            .expect("a mass inside the cube")
+            .undo(&volts);
+        let left = core::array::from_fn(|i| (undone[i] - parameters.zero_drift_v[i]) * per_v[i]);
+        let ((force, torque), (same, about_the_mass)) = (wrench(&shown), wrench(&left));
+        let off = DVec3::from_array(centre).cross(force);
+        assert!(off.length() > 1e-4);
+        assert!((same - force).length() < 1e-12);
+        assert!((about_the_mass - (torque - off)).length() < 1e-13);
     }
 
     #[test]
@@ -144,9 +202,11 @@ mod tests {
     fn shares_that_cannot_be_told_apart_are_refused() {
         let (sensor, parameters) = (fixture::SENSOR, fixture::parameters());
         let equal = [[1.0; LIMBS]; LIMBS];
-        assert!(CrossTalk::new(&sensor, &parameters, &equal).is_err());
+        assert!(CrossTalk::new(&sensor, &parameters, &equal, [0.0; 3]).is_err());
         let mut unknown = shares();
         unknown[2][7] = f64::NAN;
-        assert!(CrossTalk::new(&sensor, &parameters, &unknown).is_err());
+        assert!(CrossTalk::new(&sensor, &parameters, &unknown, [0.0; 3]).is_err());
+        let nowhere = [f64::INFINITY, 0.0, 0.0];
+        assert!(CrossTalk::new(&sensor, &parameters, &shares(), nowhere).is_err());
     }
 }

@@ -310,7 +310,7 @@ fn says_more_of(finding: &Finding, certain: &[Finding]) -> bool {
 fn decoding(chosen: &Chosen) -> Decoding<'_> {
     Decoding {
         parameters: &chosen.used,
-        cross_talk: chosen.used_joint().map(|joint| joint.limbs().cross_talk),
+        limbs: chosen.used_joint().map(JointReport::limbs),
     }
 }
 

@@ -292,13 +292,12 @@ impl Calibration {
 }
 
 impl Calibration {
-    /// What undoes the cross-talk of a recording of the sensor with its gains, where a fit has determined it.
+    /// [`CalibratedLimbs::undone`] where a fit has determined limbs and channels.
     ///
     /// # Errors
     /// Those of [`CrossTalk::new`].
     pub fn cross_talk(&self, sensor: &Sensor) -> sixaxis_core::Result<Option<CrossTalk>> {
-        let of =
-            |limbs: &CalibratedLimbs| CrossTalk::new(sensor, &self.parameters(), &limbs.cross_talk);
+        let of = |limbs: &CalibratedLimbs| limbs.undone(sensor, &self.parameters());
         self.limbs.as_ref().map(of).transpose()
     }
 }

@@ -6,6 +6,7 @@
 //! | [`account`] | whether the fit accounts for the session, and what is out of the ordinary |
 //! | [`hypotheses`] | what accounts for the trials where it does not |
 //! | `knowledge` | what the fit knows before it sees the trials |
+//! | `mass_centre` | a mass whose centre is not the cube's, and looks like cross-talk |
 //! | `limbs` | limbs and channels as a calibration keeps them |
 //! | [`misfit`] | what to make of channels that contradict the model |
 //! | [`nuisances`] | what the instruments and wedges turned out to be |
@@ -17,6 +18,7 @@ pub mod account;
 pub mod hypotheses;
 mod knowledge;
 mod limbs;
+mod mass_centre;
 pub mod misfit;
 pub mod nuisances;
 pub mod parameter_reports;
@@ -100,14 +102,17 @@ pub fn fit(
     loss: Loss,
 ) -> Result<JointReport> {
     let trials: Vec<&Trial> = campaign.trials.iter().map(|(trial, _)| trial).collect();
-    fit_trials(
-        &campaign.geometry,
-        &trials,
-        &at_rest(&steps.drift),
-        &start(campaign, steps),
-        knowledge,
-        loss,
-    )
+    let (rest, start) = (at_rest(&steps.drift), start(campaign, steps));
+    let fitted = |knowledge: &Knowledge| {
+        fit_trials(&campaign.geometry, &trials, &rest, &start, knowledge, loss)
+    };
+    fitted(knowledge).or_else(|refusal| {
+        // Far off the middle, a mass looks like more cross-talk than a fit finds its way through.
+        let mut free = *knowledge;
+        free.certificates.room.mass_centre_m = mass_centre::DEVIATION_M;
+        let free = fitted(&free).ok().filter(JointReport::accounts);
+        free.ok_or(refusal)
+    })
 }
 
 /// Where a fit starts: from the four steps' answer, with the design's k/m where theirs is none.
@@ -154,14 +159,27 @@ pub(crate) fn fit_trials(
     for trial in prepared {
         joint.add(trial);
     }
-    let estimate = match loss {
-        Loss::Squares => joint.fit(start),
-        Loss::Huber => {
-            let records: Vec<Record> = records.iter().map(|(_, record)| *record).collect();
-            joint.fit_robust(start, &records, USUAL_LIMIT)
+    let fitted = |joint: &Joint| {
+        match loss {
+            Loss::Squares => joint.fit(start),
+            Loss::Huber => {
+                let records: Vec<Record> = records.iter().map(|(_, record)| *record).collect();
+                joint.fit_robust(start, &records, USUAL_LIMIT)
+            }
+        }
+        .map_err(refuse)
+    };
+    let mut estimate = fitted(&joint)?;
+    if knowledge.certificates.room.mass_centre_m == 0.0 && mass_centre::may_be(geometry, &estimate)
+    {
+        joint
+            .free_mass_centre(mass_centre::DEVIATION_M)
+            .map_err(refuse)?;
+        let free = fitted(&joint).ok();
+        if let Some(free) = free.filter(|free| mass_centre::is_it(&estimate, free)) {
+            estimate = free;
         }
     }
-    .map_err(refuse)?;
     let recordings = records.iter().map(|(name, _)| (*name).to_owned()).collect();
     Ok(JointReport::new(
         estimate,

@@ -14,6 +14,7 @@ use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::problem::rig::{RATE_HZ, STEPS, model, short_run};
 use sixaxis_props::tolerance::{self, Tolerance};
 use sixaxis_props::truth::{self, InCore};
+use sixaxis_reference::compliant::compliant_forces_m_s2;
 use sixaxis_reference::geometry::Geometry;
 use sixaxis_reference::laboratory::Laboratory;
 use sixaxis_reference::laboratory::recording::SimulatedRecording;
@@ -25,6 +26,7 @@ use sixaxis_reference::mujoco::simulate_run;
 use sixaxis_reference::mujoco::simulation::Simulation;
 use sixaxis_reference::rig::run::{Mode, Mounting, Run};
 use sixaxis_reference::rigid::{RigidSensor, torque_per_mass};
+use sixaxis_reference::sensor::TrueSensor;
 
 const DIRECTION: DVec3 = DVec3::new(2.0, 1.0, 1.0);
 /// Limbs that bend: a twentieth of the axial stiffness, both flexures together.
@@ -81,6 +83,42 @@ fn ref_unequal_limbs_share_loads_by_their_stiffness() {
         let off = |ratio| departure(&played.limb_force_per_mass_m_s2, &rigid(ratio));
         within("forces of unequal limbs", off(&stiffness_ratio), limit);
         fails_clearly("as if they were equal", off(&[1.0; LIMBS]), limit);
+    }
+}
+
+/// Three engines of a mass whose centre is not the cube's: MuJoCo, closed form, and statics at each instant.
+#[test]
+fn ref_a_mass_off_the_middle_is_mujocos() {
+    let middle = truth::sensor(&truth::identified_parameters());
+    let off = TrueSensor {
+        mass_centre_m: [4e-4, -3e-4, 2e-4],
+        ..middle
+    };
+    let limit = tolerance::rigid_limbs(5.0, middle.stiffness_per_mass_per_s2);
+    for mode in [Mode::Linear, Mode::Angular, Mode::Compound] {
+        for mounting in [Mounting::AxisVertical, Mounting::AxisLevel] {
+            let gravity_ground_m_s2 = mounting.gravity_ground_m_s2(DIRECTION);
+            let run = short_run(mode, DIRECTION);
+            let model = SensorModel::new(&off, gravity_ground_m_s2);
+            let played = simulate_run(&model, &run, RATE_HZ, STEPS).expect("the step is stable");
+            let rigid = |sensor| {
+                RigidSensor::new(sensor, &[1.0; LIMBS])
+                    .expect("three nodes hold a body")
+                    .simulate(&run, gravity_ground_m_s2, RATE_HZ)
+            };
+            let compliant = compliant_forces_m_s2(&off, gravity_ground_m_s2, &rigid(&off).truth);
+            let compliant = compliant.expect("limbs that hold the mass");
+            let departure = |forces: &[_]| departure(forces, &played.limb_force_per_mass_m_s2);
+            let ours = rigid(&off).limb_force_per_mass_m_s2;
+            within(
+                "rigid limbs of a mass off the middle",
+                departure(&ours),
+                limit,
+            );
+            within("compliant ones", departure(&compliant), limit);
+            let held = rigid(&middle).limb_force_per_mass_m_s2;
+            fails_clearly("a mass in the middle", departure(&held), limit);
+        }
     }
 }
 

@@ -2,6 +2,8 @@
 //! refuses.
 
 use nalgebra::{SMatrix, SVector};
+use rand::RngExt;
+use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use sixaxis_calibration::joint::{Knowledge, at_rest, record};
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
@@ -10,8 +12,7 @@ use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Record};
 use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, Parameters};
-use sixaxis_props::compare::largest;
-use sixaxis_props::compare::within;
+use sixaxis_props::compare::{fails_clearly, largest, within};
 use sixaxis_props::joint::{Fitted, bias_of_scale, moments, noise_free, small};
 use sixaxis_props::seed::seed;
 use sixaxis_props::statistics::{ONE_IN_A_MILLION, chi_square_departure};
@@ -30,6 +31,9 @@ const BIAS_CASES: u64 = 48;
 const STATED: core::ops::Range<f64> = 0.87..0.99;
 /// Channels' ratio of signal to noise, dB, at which errors in variables bend plain least squares.
 const NOISY_DB: f64 = 34.0;
+
+/// Random stream of where masses are.
+const OFF_CENTRE: u128 = 91;
 
 fn fitted(plan: &SessionPlan) -> Fitted {
     Fitted::of(plan).unwrap_or_else(|cause| panic!("seed {}: {cause}", plan.seed))
@@ -54,6 +58,35 @@ fn law_noise_free_campaigns_are_found() {
         worst,
         tolerance::JOINT_NOISE_FREE,
     );
+}
+
+/// Of a mass that is off the middle everything is found as of one that is not, and where it is.
+#[test]
+fn law_a_mass_off_the_middle_is_found() {
+    let mut plan = noise_free(seed());
+    plan.mass_centre_mm = [0.3, -0.2, 0.1];
+    let errors = |room: Room| {
+        let case = Fitted::in_room(&plan, room).expect("a fit");
+        let found = case.joint.estimate.unknowns.mass_centre_m().to_array();
+        let off = found.iter().zip(plan.mass_centre_mm);
+        let place = largest(off.map(|(found_m, true_mm)| (1e3 * found_m - true_mm) / 0.3));
+        largest(case.relative()).max(place)
+    };
+    let what = "joint fit of a mass off the middle, without noise";
+    let held = Room {
+        centre_m: Room::ORDINARY.centre_m,
+        ..Room::NONE
+    };
+    let free = |room: Room| Room {
+        mass_centre_m: 1e-3,
+        ..room
+    };
+    let limit = tolerance::JOINT_NOISE_FREE;
+    within(what, errors(free(held)), limit);
+    // No fit with the centre held goes through, and one is made with it free.
+    within(what, errors(held), limit);
+    let on_the_axis = errors(free(Room::NONE));
+    fails_clearly("the mass's centre on the axis", on_the_axis, limit);
 }
 
 #[test]
@@ -150,6 +183,49 @@ fn stat_errors_are_what_is_stated_in_ordinary_rooms() {
         // The root of a mean of 24 times nine squares, with a scatter of its own in each.
         assert!((found / true_one - 1.0).abs() < 0.25, "{room:?}: {found}");
     }
+}
+
+/// A mass off the middle by up to half a millimetre along each axis is noticed by itself in an ordinary room: intervals hold as without, and
+/// scale factors are told as well.
+#[test]
+fn stat_masses_off_the_middle_are_noticed() {
+    const CASES: u64 = 12;
+    let first = seed();
+    let cases: Vec<[Fitted; 2]> = (first..first + CASES)
+        .into_par_iter()
+        .map(|seed| {
+            let mut rng = Pcg64::new(u128::from(seed), OFF_CENTRE);
+            let middle = rooms::Room::Usual.holding(small(seed));
+            let off = SessionPlan {
+                mass_centre_mm: core::array::from_fn(|_| rng.random_range(-0.5..0.5)),
+                ..middle.clone()
+            };
+            [middle, off].map(|plan| {
+                Fitted::in_room(&plan, Room::ORDINARY)
+                    .unwrap_or_else(|cause| panic!("seed {seed}: {cause}"))
+            })
+        })
+        .collect();
+    let z = cases.iter().flat_map(|[_, off]| off.over_stated());
+    let within = z.filter(|z| z.abs() < NORMAL_95).count();
+    let share = within as f64 / (CASES as usize * (PARAMETERS - 1)) as f64;
+    let wider = |[middle, off]: &[Fitted; 2]| {
+        let deviation = |case: &Fitted| case.joint.estimate.deviations()[LIMBS..2 * LIMBS].to_vec();
+        let pairs = deviation(middle).into_iter().zip(deviation(off));
+        largest(pairs.map(|(middle, off)| off / middle))
+    };
+    let widest = largest(cases.iter().map(wider));
+    let noticed = |[middle, off]: &&[Fitted; 2]| {
+        let centre = |case: &Fitted| case.joint.nuisances().room.mass_centre_m;
+        centre(middle).is_none() && centre(off).is_some() && off.joint.accounts()
+    };
+    let noticed = cases.iter().filter(noticed).count();
+    eprintln!(
+        "{noticed} of {CASES} noticed, {share:.3} within 95 % intervals, deviations of scale factors {widest:.2} times those without"
+    );
+    assert_eq!(noticed, CASES as usize);
+    assert!(STATED.contains(&share), "{share}");
+    assert!(widest < 2.0, "{widest}");
 }
 
 /// What limbs and channels are off by leaves the coordination equations as the stated covariance says, before the day and after it, in

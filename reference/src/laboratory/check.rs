@@ -25,6 +25,8 @@ const LARGEST_WEDGE_ERROR_DEG: f64 = 20.0;
 const LARGEST_TILT_DEG: f64 = 90.0;
 /// Largest distance of the sensor's centre from the axis, mm.
 const LARGEST_OFFSET_MM: f64 = 1e3;
+/// Farthest that the mass's centre is from the cube's along an axis, mm: half an edge is 21.
+const LARGEST_OFF_CENTRE_MM: f64 = 10.0;
 /// Longest crank over its rod: a crank as long as the rod locks.
 const LONGEST_CRANK: f64 = 0.95;
 /// Amplitudes of the rig, m and rad, and the converter's limit, V, at most.
@@ -153,6 +155,13 @@ fn rig(plan: &SessionPlan) -> Result<(), SessionError> {
 }
 
 fn limbs(plan: &SessionPlan) -> Result<(), SessionError> {
+    for along_mm in plan.mass_centre_mm {
+        within(
+            "mass_centre_mm",
+            along_mm,
+            -LARGEST_OFF_CENTRE_MM..=LARGEST_OFF_CENTRE_MM,
+        )?;
+    }
     for (key, value) in [
         ("limbs.lateral_stiffness", plan.limbs.lateral_stiffness),
         ("limbs.lateral_damping", plan.limbs.lateral_damping),

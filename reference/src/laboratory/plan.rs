@@ -23,6 +23,8 @@ pub struct SessionPlan {
     pub seed: u64,
     /// The sensor.
     pub sensor: SensorChoice,
+    /// From the cube's centre to that of its mass, sensor axes, mm.
+    pub mass_centre_mm: [f64; 3],
     /// The engine that simulates the trials.
     pub engine: Engine,
     /// Trials for each of steps 2 to 4.
@@ -50,6 +52,7 @@ impl Default for SessionPlan {
         Self {
             seed: 1,
             sensor: SensorChoice::Paper,
+            mass_centre_mm: [0.0; 3],
             engine: Engine::Mujoco,
             trials_per_step: 10,
             sample_rate_hz: 2000.0,
@@ -291,12 +294,16 @@ impl SessionPlan {
     /// The sensor as it truly is.
     #[must_use]
     pub fn true_sensor(&self) -> TrueSensor {
-        match self.sensor {
+        let centred = match self.sensor {
             SensorChoice::Paper => TrueSensor::identified(),
             SensorChoice::Design => TrueSensor::design(),
             SensorChoice::Random => {
                 TrueSensor::random(&mut Pcg64::new(u128::from(self.seed), SENSOR_STREAM))
             }
+        };
+        TrueSensor {
+            mass_centre_m: self.mass_centre_mm.map(|mm| 1e-3 * mm),
+            ..centred
         }
     }
 

@@ -58,6 +58,8 @@ const TEMPLATE: &str = "\
 seed
 # The sensor: \"paper\" as identified there, \"design\" as designed there, or \"random\", scattered about the design.
 sensor
+# From the cube's centre to that of its mass, sensor axes, mm.
+mass_centre_mm
 # What moves it: \"mujoco\", or \"rigid\", a closed form with limbs that do not give way (fast; k/m has no effect).
 engine
 # Trials for each of steps 2 to 4; three compound runs come on top.

@@ -23,8 +23,10 @@ pub struct SensorModel {
     pub geometry: Geometry,
     /// Seismic mass, kg. Only ratios to it matter; the paper's design s/m at s = 1 makes it 0.187 kg.
     pub mass_kg: f64,
-    /// I/m, mass axes.
+    /// I/m about the mass's centre, mass axes.
     pub inertia_per_mass: InertiaPerMass,
+    /// From the cube's centre to the mass's, mass axes, m.
+    pub mass_centre_m: DVec3,
     /// k/m, s^-2: of every limb, or what [`Limbs::stiffness_ratio`] is over.
     pub stiffness_per_mass_per_s2: f64,
     /// What the limbs have beside that.
@@ -54,6 +56,7 @@ impl SensorModel {
             geometry: sensor.geometry,
             mass_kg: MASS_KG,
             inertia_per_mass: sensor.inertia_per_mass,
+            mass_centre_m: DVec3::from_array(sensor.mass_centre_m),
             stiffness_per_mass_per_s2: sensor.stiffness_per_mass_per_s2,
             limbs: Limbs::IDEAL,
             damping_ratio: DAMPING_RATIO,
@@ -247,19 +250,22 @@ impl SensorModel {
     fn inertial(&self) -> (f64, DVec3, DMat3) {
         let tensor = self.inertia_per_mass.tensor_m2() * self.mass_kg;
         if self.limbs.mass == 0.0 {
-            return (self.mass_kg, DVec3::ZERO, tensor);
+            return (self.mass_kg, self.mass_centre_m, tensor);
         }
         let added_kg = NEAR_SHARE * self.limbs.mass * self.mass_kg;
         let ends = self.geometry.mass_hinges_m();
         let mass_kg = self.mass_kg + LIMBS as f64 * added_kg;
-        let centre = ends.into_iter().sum::<DVec3>() * (added_kg / mass_kg);
+        let moments =
+            self.mass_centre_m * self.mass_kg + ends.into_iter().sum::<DVec3>() * added_kg;
+        let centre = moments / mass_kg;
         let about = |point: DVec3, mass_kg: f64| {
             let outer = DMat3::from_cols(point * point.x, point * point.y, point * point.z);
             (DMat3::from_diagonal(DVec3::splat(point.length_squared())) - outer) * mass_kg
         };
-        let origin = ends
-            .into_iter()
-            .fold(tensor, |sum, end| sum + about(end, added_kg));
+        let origin = ends.into_iter().fold(
+            tensor + about(self.mass_centre_m, self.mass_kg),
+            |sum, end| sum + about(end, added_kg),
+        );
         (mass_kg, centre, origin - about(centre, mass_kg))
     }
 }

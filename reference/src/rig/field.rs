@@ -107,8 +107,9 @@ impl Field {
                     rate_shell_rad_s: rate,
                     attitude: here,
                 };
+                let centre_m = DVec3::from_array(sensor.mass_centre_m);
                 let load = Load {
-                    specific_force_m_s2: specific,
+                    specific_force_m_s2: specific + truth.carried_m_s2(centre_m),
                     torque_m2_s2: torque,
                 };
                 (load, truth)

@@ -23,7 +23,7 @@ pub struct TrialEstimate {
     pub zero_v: [Known; LIMBS],
     /// Sensitivities against the usual ones, relative.
     pub sensitivity: [Known; LIMBS],
-    /// From the axis to the sensor's centre in the wedge's two sideways directions, m; none where nothing turns.
+    /// From the axis to the mass's centre in the wedge's two sideways directions, m; none where nothing turns.
     pub centre_m: Option<[Known; 2]>,
     /// What gravity in the sensor has more of square to the axis, over its size; none where nothing turns.
     pub plumb: Option<[Known; 2]>,

@@ -1,7 +1,7 @@
 //! What the motion of a trial asks of the limbs: a wrench per mass for each of its series, and how it depends on the unknowns.
 //!
-//! With n the direction of travel and axis, r from the axis to the sensor's centre and g gravity in the sensor at rest, the
-//! specific force and Euler's torque of a motion along or about n are
+//! With n the direction of travel and axis, r from the axis to the mass's centre and g gravity in the sensor at rest, the
+//! specific force and Euler's torque about that centre, of a motion along or about n, are
 //!
 //! | series | force per mass | torque per mass |
 //! |---|---|---|
@@ -12,7 +12,8 @@
 //! | sin theta | n x g | 0 |
 //! | 1 - cos theta | g - n (n . g) | 0 |
 //!
-//! The limbs share it ([`StaticLoadSharing`]), and channels show each other's shares ([`Unknowns::shown`]).
+//! Limbs end on the cube: about its centre, from which the mass's is c, a force F has the torque c x F besides. I/m is about the mass's
+//! own. The limbs share it ([`StaticLoadSharing`]), and channels show each other's shares ([`Unknowns::shown`]).
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -21,7 +22,9 @@ use glam::DVec3;
 
 use super::own::{Kind, plumb};
 use super::trial::{Drive, Trial};
-use super::unknowns::{COMPLIANCE, INERTIA, OTHERS, STIFFNESS, Unknowns, inertia_entry};
+use super::unknowns::{
+    COMPLIANCE, INERTIA, MASS_CENTRE, OTHERS, STIFFNESS, Unknowns, inertia_entry,
+};
 use crate::geometry::LIMBS;
 use crate::identify::static_load_sharing::StaticLoadSharing;
 
@@ -32,6 +35,21 @@ type Wrench = [DVec3; 2];
 struct Load {
     wrench: Wrench,
     slopes: Vec<(usize, Wrench)>,
+}
+
+impl Load {
+    /// The same with the torque about the cube's centre, from which the mass's is c.
+    fn about_the_cubes_centre(mut self, c: DVec3) -> Self {
+        let [force, _] = self.wrench;
+        let about = |[force, torque]: Wrench| [force, torque + c.cross(force)];
+        self.wrench = about(self.wrench);
+        for (_, slope) in &mut self.slopes {
+            *slope = about(*slope);
+        }
+        let by_centre = DVec3::AXES.map(|axis| [DVec3::ZERO, axis.cross(force)]);
+        self.slopes.extend((MASS_CENTRE..).zip(by_centre));
+        self
+    }
 }
 
 /// A series' share in each channel and how it depends on the unknowns.
@@ -66,7 +84,9 @@ impl Trial {
             Drive::Linear => self.linear_loads(unknowns, &sharing),
             Drive::Angular => self.angular_loads(unknowns),
         };
-        let of = |load: &Load| {
+        let centre = unknowns.mass_centre_m();
+        let of = |load: Load| {
+            let load = load.about_the_cubes_centre(centre);
             let [force, torque] = load.wrench;
             let forces = sharing.of_wrench(force, torque);
             let mut slopes: Vec<(usize, [f64; LIMBS])> = load
@@ -89,7 +109,7 @@ impl Trial {
                 forces,
             }
         };
-        Some(loads.iter().map(of).collect())
+        Some(loads.into_iter().map(of).collect())
     }
 
     fn linear_loads(&self, unknowns: &Unknowns, sharing: &StaticLoadSharing) -> Vec<Load> {

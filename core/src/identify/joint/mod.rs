@@ -70,7 +70,7 @@ use self::room::{Room, Spread, Spreads};
 use self::trial::Trial;
 use self::unknowns::{
     AMPLIFIER_CORNER, ANGLES, COMPLIANCE, CROSS_TALK, DRIFT, GYROSCOPE_GAIN, GYROSCOPE_LAG,
-    INERTIA, MASS_PER_SCALE, STIFFNESS, Unknowns, WEDGES, Wedge,
+    INERTIA, MASS_CENTRE, MASS_PER_SCALE, STIFFNESS, Unknowns, WEDGES, Wedge,
 };
 use super::static_load_sharing::StaticLoadSharing;
 use crate::error::{Error, Result, require_finite, require_not_negative, require_positive};
@@ -192,6 +192,7 @@ impl Joint {
             ("room.sensitivity", certificates.room.sensitivity.usual),
             ("room.zero_v", certificates.room.zero_v),
             ("room.centre_m", certificates.room.centre_m),
+            ("room.mass_centre_m", certificates.room.mass_centre_m),
             ("room.plumb_rad", certificates.room.plumb_rad),
         ] {
             require_not_negative(name, value)?;
@@ -253,6 +254,16 @@ impl Joint {
                 self.wedges.len() - 1
             });
         self.trials.push(trial);
+    }
+
+    /// Frees the mass's centre, which then is the cube's to this standard deviation along each axis, m.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a deviation that is none.
+    pub fn free_mass_centre(&mut self, deviation_m: f64) -> Result<()> {
+        require_positive("room.mass_centre_m", deviation_m)?;
+        self.certificates.room.mass_centre_m = deviation_m;
+        Ok(())
     }
 
     /// Number of trials so far.
@@ -358,6 +369,7 @@ impl Joint {
         priors.push((AMPLIFIER_CORNER, corner));
         priors.extend(c.compliance_s2.map(|known| (COMPLIANCE, known)));
         for (range, deviation) in [
+            (MASS_CENTRE..STIFFNESS, c.room.mass_centre_m),
             (STIFFNESS..CROSS_TALK, spreads.stiffness),
             (self.wedge_angles(), spreads.wedge_rad),
             (self.delays(), c.channel_delay_s),

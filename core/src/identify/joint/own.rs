@@ -27,7 +27,7 @@ pub(super) enum Kind {
     Sensitivity(usize),
     /// What is left of an amplifier's own transient, V.
     Transient(usize),
-    /// From the axis to the sensor's centre along one of the wedge's two sideways directions, m.
+    /// From the axis to the mass's centre along one of the wedge's two sideways directions, m.
     Centre(usize),
     /// What gravity in the sensor at rest has more of, over its size, along one of two directions square to the axis: of the
     /// plane that holds both, and out of it. What it has along the axis no turn about it shows.

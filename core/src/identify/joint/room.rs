@@ -65,8 +65,10 @@ pub struct Room {
     pub sensitivity: Spread,
     /// Zero of a channel in one trial about that of the static record, V.
     pub zero_v: f64,
-    /// From the axis to the sensor's centre in each of two directions, m.
+    /// From the axis to the mass's centre in each of two directions, m.
     pub centre_m: f64,
+    /// From the cube's centre to the mass's along each axis, m; 0 holds it there.
+    pub mass_centre_m: f64,
     /// Gravity in the sensor about what the session says, in each of two directions, rad.
     pub plumb_rad: f64,
 }
@@ -80,10 +82,11 @@ impl Room {
         sensitivity: Spread::NONE,
         zero_v: 0.0,
         centre_m: 0.0,
+        mass_centre_m: 0.0,
         plumb_rad: 0.0,
     };
 
-    /// An ordinary laboratory. Zero, centre and plumb line are told by each trial to far below these.
+    /// An ordinary laboratory, the mass's centre being the cube's. Zero, centre off the axis and plumb line are told by each trial to far below these.
     pub const ORDINARY: Self = Self {
         stiffness: Spread {
             usual: 2e-3,
@@ -103,6 +106,7 @@ impl Room {
         },
         zero_v: 1.0,
         centre_m: 5e-3,
+        mass_centre_m: 0.0,
         plumb_rad: 0.02,
     };
 }

@@ -27,8 +27,10 @@ pub const GYROSCOPE_GAIN: usize = ACCELEROMETER_GAIN + 1;
 pub const GYROSCOPE_LAG: usize = GYROSCOPE_GAIN + 1;
 /// Corner of the charge amplifiers' high-pass, rad/s: one over their time constant.
 pub const AMPLIFIER_CORNER: usize = GYROSCOPE_LAG + 1;
+/// From the cube's centre to that of its mass, sensor axes, m.
+pub const MASS_CENTRE: usize = AMPLIFIER_CORNER + 1;
 /// k_i/k of the nine limbs, less one.
-pub const STIFFNESS: usize = AMPLIFIER_CORNER + 1;
+pub const STIFFNESS: usize = MASS_CENTRE + 3;
 /// Share of each other limb's force that a channel shows, channel by channel: [`Unknowns::cross_talk`].
 pub const CROSS_TALK: usize = STIFFNESS + LIMBS;
 /// [`ANGLES`] angles for each wedge, rad, by which it misses its direction. Behind them, where they are free, nine delays, s:
@@ -110,6 +112,12 @@ impl Unknowns {
         let length = long.length();
         let n = long / length;
         (n, sideways.map(|b| (b - n * n.dot(b)) / length))
+    }
+
+    /// From the cube's centre to that of its mass, sensor axes, m.
+    #[must_use]
+    pub fn mass_centre_m(&self) -> DVec3 {
+        DVec3::from_array(core::array::from_fn(|j| self.values[MASS_CENTRE + j]))
     }
 
     /// k_i/k.

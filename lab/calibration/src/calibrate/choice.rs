@@ -90,7 +90,7 @@ impl Chosen {
         let joint = joint.filter(|_| self.fell_back && by_steps.is_finite() && by_steps > limit)?;
         let decoding = Decoding {
             parameters: &joint.parameters(self.used.stiffness_per_mass_per_s2),
-            cross_talk: Some(joint.limbs().cross_talk),
+            limbs: Some(joint.limbs()),
         };
         let by_joint = 100.0 * largest_error(campaign, &decoding)?;
         (MUCH_LESS * by_joint < by_steps).then(|| {

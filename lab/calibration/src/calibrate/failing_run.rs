@@ -160,7 +160,7 @@ fn noisy(
         ..quiet.clone()
     };
     let plain = Decoding {
-        cross_talk: None,
+        limbs: None,
         ..*decoding
     };
     let run = compare(campaign, trial, &quiet, &plain).ok()?;

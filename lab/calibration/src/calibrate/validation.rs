@@ -6,9 +6,9 @@
 
 use glam::{DQuat, DVec3};
 use sixaxis_core::decouple::rest_to_rest;
-use sixaxis_core::{CrossTalk, Decoupler, Parameters, Scheme};
+use sixaxis_core::{Decoupler, Parameters, Scheme};
 
-use crate::calibration::Square;
+use crate::calibration::CalibratedLimbs;
 use crate::conditioning::Conditioned;
 use crate::diagnosis::trial_case::angles;
 use crate::finding::{Cause, Finding};
@@ -24,7 +24,7 @@ const FLOOR: f64 = 0.1;
 #[derive(Debug)]
 pub(super) struct Decoding<'a> {
     pub parameters: &'a Parameters,
-    pub cross_talk: Option<Square>,
+    pub limbs: Option<CalibratedLimbs>,
 }
 
 /// Decouples the validation runs and holds them against the standards.
@@ -80,8 +80,8 @@ pub(super) fn compare(
     let sensor = trial.sensor(campaign.geometry);
     let settings = trial.settings(Scheme::HeunSubstepped);
     let mut rows = conditioned.voltage_v.clone();
-    if let Some(shares) = &decoding.cross_talk {
-        let cross_talk = CrossTalk::new(&sensor, parameters, shares)?;
+    if let Some(limbs) = &decoding.limbs {
+        let cross_talk = limbs.undone(&sensor, parameters)?;
         for row in &mut rows {
             *row = cross_talk.undo(row);
         }

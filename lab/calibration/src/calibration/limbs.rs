@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sixaxis_core::LIMBS;
+use sixaxis_core::{CrossTalk, LIMBS, Parameters, Sensor};
 
 /// Standard deviation of the limbs' stiffnesses about their mean, relative, where no fit has determined them: an ordinary
 /// laboratory's.
@@ -11,12 +11,15 @@ pub(crate) const STIFFNESS_SD: f64 = 0.005;
 /// Nine rows of nine numbers.
 pub type Square = [[f64; LIMBS]; LIMBS];
 
-/// What the 25 leave out: the limbs' stiffnesses, cross-talk, and how well strains are known.
+/// What the 25 leave out: the limbs' stiffnesses, the mass's centre, cross-talk, and how well strains are known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CalibratedLimbs {
     /// Stiffness of each limb over the mean of the nine.
     pub stiffness_ratio: [f64; LIMBS],
+    /// From the cube's centre to that of its mass, sensor axes, m.
+    #[serde(default)]
+    pub mass_centre_m: [f64; 3],
     /// Share of each limb's force (column) that each channel (row) shows beside its own.
     pub cross_talk: Square,
     /// Root mean square of their standard deviations, of channels side by side and apart.
@@ -30,6 +33,7 @@ impl CalibratedLimbs {
     /// Of limbs that are equally stiff and channels that show nothing of each other, their parameters known exactly.
     pub const EXACT: Self = Self {
         stiffness_ratio: [1.0; LIMBS],
+        mass_centre_m: [0.0; 3],
         cross_talk: [[0.0; LIMBS]; LIMBS],
         cross_talk_spread: 0.0,
         strain_covariance: [[0.0; LIMBS]; LIMBS],
@@ -43,6 +47,18 @@ impl CalibratedLimbs {
             limbs.loosen(limb, sd.hypot(STIFFNESS_SD));
         }
         limbs
+    }
+
+    /// What undoes their cross-talk, and the torque of a mass off the middle, in a recording of the sensor with its gains.
+    ///
+    /// # Errors
+    /// Those of [`CrossTalk::new`].
+    pub fn undone(
+        &self,
+        sensor: &Sensor,
+        parameters: &Parameters,
+    ) -> sixaxis_core::Result<CrossTalk> {
+        CrossTalk::new(sensor, parameters, &self.cross_talk, self.mass_centre_m)
     }
 
     /// Takes note that a limb's strain per volt is less certain by a relative standard deviation of its own.

@@ -66,7 +66,9 @@ pub const PARAMETERS: sixaxis_core::Parameters = sixaxis_core::Parameters {{
     stiffness_per_mass_per_s2: {stiffness_per_mass_per_s2:?},
 }};
 
-/// Share of each limb's force (column) that each channel (row) shows: what `sixaxis_core::CrossTalk` undoes before the decoupler.
+/// From the cube's centre to that of its mass, sensor axes, m; and share of each limb's force (column) that each channel (row) shows: what
+/// `sixaxis_core::CrossTalk` undoes before the decoupler.
+pub const MASS_CENTRE_M: [f64; 3] = {mass_centre_m:?};
 pub const CROSS_TALK: [[f64; {LIMBS}]; {LIMBS}] = {cross_talk:?};
 
 /// Stiffness of each limb over their mean: `sixaxis_core::Settings::stiffness_ratio`, by which limbs that are excluded bear their share.
@@ -91,6 +93,10 @@ pub const LIMBS_LAG_US: Option<[f64; {LIMBS}]> = {limbs_lag_us:?};
             scale_per_mass_per_kg = array(&p.scale_per_mass_per_kg),
             inertia_per_mass_m2 = array(&p.inertia_per_mass_m2),
             stiffness_per_mass_per_s2 = p.stiffness_per_mass_per_s2,
+            mass_centre_m = self
+                .limbs
+                .as_ref()
+                .map_or([0.0; 3], |limbs| limbs.mass_centre_m),
             cross_talk = self
                 .limbs
                 .as_ref()

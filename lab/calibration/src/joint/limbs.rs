@@ -33,6 +33,7 @@ impl JointReport {
         };
         CalibratedLimbs {
             stiffness_ratio,
+            mass_centre_m: unknowns.mass_centre_m().to_array(),
             cross_talk: core::array::from_fn(|into| {
                 core::array::from_fn(|from| {
                     if into == from {

@@ -4,7 +4,7 @@ use serde::Serialize;
 use sixaxis_core::identify::joint::Known;
 use sixaxis_core::identify::joint::estimate::TrialEstimate;
 use sixaxis_core::identify::joint::unknowns::{
-    AMPLIFIER_CORNER, ANGLES, GYROSCOPE_GAIN, GYROSCOPE_LAG,
+    AMPLIFIER_CORNER, ANGLES, GYROSCOPE_GAIN, GYROSCOPE_LAG, MASS_CENTRE,
 };
 
 use super::JointReport;
@@ -33,7 +33,9 @@ pub struct RoomFound {
     pub sensitivity_spread: f64,
     /// Of each of a wedge's angles, degrees.
     pub wedge_spread_deg: f64,
-    /// Farthest that the sensor's centre is from the axis in any trial, m.
+    /// From the cube's centre to that of its mass, sensor axes, m; none where nothing speaks against one place.
+    pub mass_centre_m: Option<[Known; 3]>,
+    /// Farthest that the mass's centre is from the axis in any trial, m.
     pub centre_off_axis_m: f64,
     /// Most that gravity is off where the session has it, degrees.
     pub off_plumb_deg: f64,
@@ -85,6 +87,8 @@ impl JointReport {
                 }
             })
             .collect();
+        let mass_centre: [Option<Known>; 3] =
+            core::array::from_fn(|axis| self.found(MASS_CENTRE + axis));
         let trials = &self.estimate.trials;
         let farthest = |of: fn(&TrialEstimate) -> Option<[Known; 2]>| {
             let sizes = trials.iter().filter_map(of);
@@ -100,6 +104,10 @@ impl JointReport {
                 cross_talk_apart_spread: spreads.cross_talk_apart,
                 sensitivity_spread: spreads.sensitivity,
                 wedge_spread_deg: spreads.wedge_rad.to_degrees(),
+                mass_centre_m: match mass_centre {
+                    [Some(x), Some(y), Some(z)] => Some([x, y, z]),
+                    _ => None,
+                },
                 centre_off_axis_m: farthest(|trial| trial.centre_m),
                 off_plumb_deg: farthest(|trial| trial.plumb).to_degrees(),
             },

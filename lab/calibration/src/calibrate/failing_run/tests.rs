@@ -72,7 +72,7 @@ fn said(noise_v: f64, wrong: impl Fn(usize, usize, f64) -> f64) -> Option<Findin
     };
     let decoding = Decoding {
         parameters: &parameters,
-        cross_talk: None,
+        limbs: None,
     };
     let mut numbers = Pcg64::seed_from_u64(2);
     let mut noise = || noise_v * (numbers.random::<f64>() - 0.5);

@@ -173,13 +173,20 @@ fn nuisances(joint: &JointReport) -> Table {
             [value, MISSING.to_owned(), remark.to_owned()],
         )
     });
+    let mass_centre = found.room.mass_centre_m.into_iter().flat_map(|place| {
+        ["x", "y", "z"].into_iter().zip(place).map(|(axis, along)| {
+            let name = format!("mass's centre from the cube's along {axis}");
+            let remark = "taken into account when decoupling";
+            (name, told(along, 1e3, "mm", remark))
+        })
+    });
     Table::grouped("instrument, room or wedge")
         .group(
             "Instruments",
             instruments.map(|(name, told)| (name.to_owned(), told)),
             |(name, _)| name.clone(),
         )
-        .group("Room", room, |(name, _)| name.clone())
+        .group("Room", mass_centre.chain(room), |(name, _)| name.clone())
         .group(
             "Wedges: angles by which they miss",
             wedges,
