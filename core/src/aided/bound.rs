@@ -1,5 +1,6 @@
 //! What aids leave open just before the next of them comes, when it is most: the steady state of the Riccati equation, for a sensor that
-//! stands still. Right after one less is open, with an attitude each second a third less of the tilt.
+//! stands still. Right after one less is open: of the tilt next to nothing less where an aid tells little against what the
+//! rest before told, nearly all where it tells much.
 
 use glam::DVec3;
 

@@ -111,7 +111,7 @@ pub fn zero_phase(sections: &[Section], series: &mut [f64]) -> Result<()> {
 
 /// The filter as a stage.
 ///
-/// Equals [`zero_phase`] on the whole record to 1e-12 of the peak (test `inv_a_zero_phase_stream_equals_the_whole`).
+/// Equals [`zero_phase`] on the whole record to 1e-13 of the peak (test `inv_a_zero_phase_stream_equals_the_whole`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContinuedZeroPhase {
     continuation: Continuation,

@@ -2,7 +2,7 @@
 //!
 //! A sine of frequency f and sample rate F comes out too small by up to (2 pi f/F)^6/205 of its amplitude, halfway between two
 //! samples and without phase there (test `order_delay`): 3e-10 at F/100, 4.7e-6 at F/20, 3e-4 at F/10. In the first and the last
-//! step of a record, where all six samples lie on one side, it is up to 4.8 times as much, and in the step beside it 1.4 times.
+//! step of a record, where all six samples lie on one side, it is up to 4.8 times as much (the test allows five), and in the step beside it 1.4 times (computed once).
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;

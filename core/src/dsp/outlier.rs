@@ -104,7 +104,8 @@ const WHAT: &str = "Hampel test";
 /// Judged on the series as it came in, so that one replacement does not excuse the next. Equals the definition by
 /// sorting, sample for sample (test `ref_numpy_hampel`). A straight line is not touched above 1.35 `sigmas`, not even
 /// where the window is cut off (test `inv_straight_line_is_untouched`), and up to `half_width` wild samples in one
-/// window do not hide each other (test `inv_wild_samples_do_not_hide_each_other`).
+/// whole window do not hide each other (test `inv_wild_samples_do_not_hide_each_other`); the first and the last samples of a record are judged by
+/// as few as `half_width + 1`, of which fewer than half may be wild: of a run of wild ones that the record begins with, the first pass.
 ///
 /// In a window that is constant but for one sample the deviation is zero and any difference is wild; a series that
 /// carries no noise at all, or less than a converter step, should not be tested.

@@ -1,6 +1,6 @@
 //! Welch's density, the transform under it, and the noise floor.
 
-use core::f64::consts::TAU;
+use core::f64::consts::{PI, TAU};
 
 use sixaxis_core::dsp::spectrum::{Fourier, MIN_NOISE_SAMPLES, noise_floor, welch};
 use sixaxis_core::{Error, Result};
@@ -369,6 +369,20 @@ fn inv_noise_floor_of_known_noise() -> Result<()> {
 
 #[test]
 fn inv_sine_passes_for_little_noise() -> Result<()> {
+    // A whole number of samples to a period: the same few phases again and again.
+    for (period, share) in [(100.0, 0.035), (20.0, 0.18), (10.0, 0.23)] {
+        let formula = 1.05 * (2.0 * (PI / period).sin()).powi(3) / 20.0_f64.sqrt();
+        let mut farthest = 0.0_f64;
+        for phase in 0..64 {
+            let phase = TAU * f64::from(phase) / 64.0 / period;
+            let motion: Vec<f64> = (0..2000)
+                .map(|k| (TAU * f64::from(k) / period + phase).sin())
+                .collect();
+            farthest = farthest.max((noise_floor(&motion)? / formula - 1.0).abs());
+        }
+        check_below("by the phase", farthest, share);
+        check_above("by the phase", farthest, 0.8 * share);
+    }
     for share in [0.01, 0.05, 0.1] {
         // Not quite a whole number of samples to a period, so that all phases occur.
         let share: f64 = share * 1.00123;

@@ -88,6 +88,41 @@ fn inv_a_zero_phase_stream_equals_the_whole() -> Result<()> {
     Ok(())
 }
 
+/// A section with two real poles, the farther of which is far beyond the root of their product, and a gain of one.
+fn real_poles(far: f64, near: f64) -> Section {
+    Section {
+        b: [(1.0 - far) * (1.0 - near), 0.0, 0.0],
+        a: [-(far + near), far * near],
+    }
+}
+
+#[test]
+fn inv_the_farther_pole_says_how_long_a_filter_rings() -> Result<()> {
+    let sections = [real_poles(0.999, 0.001)];
+    let settled = settling_samples(&sections);
+    assert!(0.999_f64.powi(settled as i32) < tolerance::FORGOTTEN);
+    assert_eq!(settling_samples(&[real_poles(2.0, 0.1)]), usize::MAX);
+    assert_eq!(settling_samples(&[real_poles(0.1, -1.0)]), usize::MAX);
+    let series = record(200_000, RATE_HZ);
+    let mut whole = series.clone();
+    zero_phase(&sections, &mut whole)?;
+    let ours = streamed(ZeroPhase::new(&sections)?, &series, 777)?;
+    let away = distance(&ours, &whole);
+    check_below("real poles", away, tolerance::ZERO_PHASE_STREAM);
+    // Three times the filter's length as SciPy counts it: without a b_2 and without an a_2, whichever are fewer.
+    let first = Section {
+        b: [0.5, 0.5, 0.0],
+        a: [-0.2, 0.0],
+    };
+    let extensions = [
+        vec![first; 2],
+        sections.to_vec(),
+        low_pass(3, 50.0, RATE_HZ)?,
+    ];
+    assert_eq!(extensions.map(|sections| padding(&sections)), [9, 9, 12]);
+    Ok(())
+}
+
 #[test]
 fn inv_a_record_too_short_for_the_extension_is_refused() -> Result<()> {
     let sections = low_pass(4, 12.0, RATE_HZ)?;

@@ -73,6 +73,14 @@ fn prop_honest_intervals_cover_and_dishonest_do_not() {
             (ratio(&bad.four_steps) - DISHONEST).abs() < DISHONEST * scatter,
             "{bad:?}"
         );
+        let squares = |e: &sixaxis_campaign::statistics::Estimator| {
+            e.variance_over_stated.expect("there are standard errors")
+        };
+        let scatter_of_squares = SIGMAS * (2.0 / n).sqrt();
+        for (e, expected) in [(good, 1.0), (bad, DISHONEST * DISHONEST)] {
+            let off = squares(&e.four_steps) / expected - 1.0;
+            assert!(off.abs() < scatter_of_squares, "{e:?}");
+        }
         let bound = good.joint_gain_known.as_ref().expect("there is a bound");
         assert!((ratio(bound) - 1.0).abs() < scatter, "{bound:?}");
         let bias = good.four_steps.bias_in_sd.expect("there are errors");

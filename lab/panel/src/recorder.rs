@@ -80,7 +80,7 @@ pub struct Progress {
     pub name: String,
     /// Rows that the disk has confirmed: they survive even a loss of power.
     pub on_disk: u64,
-    /// Rows that could not be taken since the disk is too slow. The recording ends with the first.
+    /// Rows that came before *Stop* and could not be taken since the disk is too slow. The recording ends with the first.
     pub lost: u64,
     /// The finished file.
     pub finished: Option<String>,
@@ -91,6 +91,9 @@ pub struct Progress {
 /// A recording under way.
 pub struct Recorder {
     rows: Option<SyncSender<Vec<f64>>>,
+    columns: usize,
+    /// Whether rows come that the disk was too slow for.
+    loses: bool,
     progress: Arc<Mutex<Progress>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -123,6 +126,7 @@ impl Recorder {
             name: name.to_owned(),
             ..Progress::default()
         }));
+        let columns = head.columns.len().max(1);
         let (rows, received) = sync_channel(WAITING);
         let of_thread = Arc::clone(&progress);
         let thread = std::thread::Builder::new()
@@ -146,6 +150,8 @@ impl Recorder {
             })?;
         Ok(Self {
             rows: Some(rows),
+            columns,
+            loses: false,
             progress,
             thread: Some(thread),
         })
@@ -153,21 +159,29 @@ impl Recorder {
 
     /// Takes rows, one after the other in one vector. Never waits: a disk that is behind by [`WAITING`] pieces ends the recording.
     pub fn push(&mut self, rows: Vec<f64>) {
-        if let Some(sender) = &self.rows
-            && let Err(error) = sender.try_send(rows)
-        {
-            if let TrySendError::Full(rows) = error {
-                let mut progress = locked(&self.progress);
-                progress.lost = rows.len() as u64;
-                progress.failed = Some("the disk is too slow; the recording has ended".to_owned());
-            }
-            self.rows = None;
+        let refused = match &self.rows {
+            Some(sender) => sender.try_send(rows).err(),
+            None => self.loses.then_some(TrySendError::Full(rows)),
+        };
+        let Some(error) = refused else {
+            return;
+        };
+        self.rows = None;
+        if let TrySendError::Full(rows) = error {
+            self.loses = true;
+            let mut progress = locked(&self.progress);
+            progress.lost += (rows.len() / self.columns) as u64;
+            progress.failed = Some(format!(
+                "the disk is too slow: the recording has ended, {} rows came since and are lost",
+                progress.lost
+            ));
         }
     }
 
     /// No more rows: the file is finished on its thread.
     pub fn stop(&mut self) {
         self.rows = None;
+        self.loses = false;
     }
 
     /// How far it is.

@@ -5,8 +5,13 @@ use sixaxis_core::LIMBS;
 
 /// Length of a window, s.
 pub const WINDOW_S: f64 = 0.25;
+/// Samples of a window at least.
+const FEWEST: u64 = 16;
 /// At rest, a channel's standard deviation is at most so many times its white noise.
 const REST: f64 = 1.5;
+/// Of white noise the two differ by chance, by 1.3 over the root of a window's samples; five times that is chance. Of nine channels at rest one is
+/// beyond in 0.7 % of windows of [`FEWEST`] samples, 0.1 % of 25, and less of more.
+const CHANCE: f64 = 5.0 * 1.3;
 /// Variance of third differences over that of white noise: 1 + 9 + 9 + 1. Their mean square and not the median of the core's
 /// `noise_floor`, which may be 0 below half a converter's step: such a sensor would never rest.
 const THIRD_DIFFERENCES: f64 = 20.0;
@@ -110,7 +115,7 @@ impl Statistics {
     pub fn new(full_scale_v: f64, sample_rate_hz: f64) -> Self {
         Self {
             full_scale_v,
-            window: ((WINDOW_S * sample_rate_hz) as u64).max(8),
+            window: ((WINDOW_S * sample_rate_hz) as u64).max(FEWEST),
             sums: [Sums::NONE; LIMBS],
             samples: 0,
             channels: [Channel::default(); LIMBS],
@@ -134,10 +139,11 @@ impl Statistics {
             for (channel, sums) in self.channels.iter_mut().zip(&mut self.sums) {
                 *channel = std::mem::replace(sums, Sums::NONE).channel(*channel);
             }
+            let most = f64::max(REST, 1.0 + CHANCE / (self.window as f64).sqrt());
             self.at_rest = self
                 .channels
                 .iter()
-                .all(|c| c.deviation_v <= REST * c.noise_v);
+                .all(|c| c.deviation_v <= most * c.noise_v);
             self.samples = 0;
         }
         complete
@@ -178,6 +184,37 @@ mod tests {
             assert_eq!(statistics.at_rest, rests);
             for channel in &statistics.channels {
                 assert!((channel.noise_v / 1e-3 - 1.0).abs() < 0.1, "{channel:?}");
+            }
+        }
+    }
+
+    /// At any rate that the page takes a sensor that stands still is seen to, in all windows but one in fifty at most, and one that moves by ten
+    /// times its noise is seen to move.
+    #[test]
+    fn stat_rest_is_told_at_every_rate() {
+        let mut state = 2;
+        for rate_hz in [10.0, 32.0, 64.0, 100.0, 200.0, 1e3, 1e4] {
+            for amplitude in [0.0, 1e-2] {
+                let mut statistics = Statistics::new(10.0, rate_hz);
+                let (mut windows, mut at_rest) = (0, 0);
+                for k in 0.. {
+                    let phase = core::f64::consts::TAU * f64::from(k) / 12.0_f64.max(rate_hz / 3.0);
+                    let motion = amplitude * phase.sin();
+                    let row = core::array::from_fn(|_| motion + 1e-3 * noise(&mut state));
+                    if statistics.push(&row) {
+                        windows += 1;
+                        at_rest += u32::from(statistics.at_rest);
+                        if windows == 400 || f64::from(k) > 40.0 * rate_hz {
+                            break;
+                        }
+                    }
+                }
+                let rested = amplitude == 0.0;
+                let wrong = if rested { windows - at_rest } else { at_rest };
+                assert!(
+                    50 * wrong <= windows,
+                    "{rate_hz} Hz, {amplitude}: {wrong} of {windows}"
+                );
             }
         }
     }

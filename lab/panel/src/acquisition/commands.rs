@@ -32,6 +32,9 @@ impl Acquisition {
                 self.restart();
             }
             Command::Restart => {
+                if !self.statistics.at_rest {
+                    self.note("started from rest where the channels do not rest: zeros are what they showed on average".to_owned());
+                }
                 self.chain.zero_v = Some(self.statistics.channels.map(|c| c.mean_v));
                 self.restart();
             }

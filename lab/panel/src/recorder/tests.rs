@@ -19,7 +19,8 @@ fn read_back(path: &Path) -> Vec<Vec<f64>> {
 #[test]
 fn law_what_is_recorded_reads_back_bit_for_bit() {
     let folder = tempfile::tempdir().expect("a folder");
-    let rows: Vec<f64> = (0..20_000).map(|k| (f64::from(k) * 0.1).sin()).collect();
+    let mut rows: Vec<f64> = (0..20_000).map(|k| (f64::from(k) * 0.1).sin()).collect();
+    rows[40..44].copy_from_slice(&[-0.0, f64::MIN_POSITIVE / 3.0, f64::MAX, f64::NAN]);
     for format in [FileFormat::Tdms, FileFormat::Parquet, FileFormat::Csv] {
         let head = head(&COLUMNS, 1000.0, format);
         let mut recorder =
@@ -38,16 +39,36 @@ fn law_what_is_recorded_reads_back_bit_for_bit() {
         );
         let path = folder.path().join(format!("{0}.{0}", format.extension()));
         let back = read_back(&path);
+        let back = back[0].iter().zip(&back[1]).flat_map(|(a, b)| [a, b]);
         assert!(
-            back[0]
-                .iter()
-                .zip(&back[1])
-                .flat_map(|(a, b)| [a, b])
-                .eq(&rows),
+            back.map(|v| v.to_bits())
+                .eq(rows.iter().map(|v| v.to_bits())),
             "{path:?}"
         );
         assert!(!path.with_extension(ENDING).exists());
     }
+}
+
+/// A disk that takes nothing: one piece waits, and the rows of all that come after it until *Stop* are counted.
+#[test]
+fn rows_that_the_disk_is_too_slow_for_are_counted() {
+    let (rows, _received) = sync_channel(1);
+    let mut recorder = Recorder {
+        rows: Some(rows),
+        columns: 2,
+        loses: false,
+        progress: Arc::default(),
+        thread: None,
+    };
+    for piece in [10, 20, 30] {
+        recorder.push(vec![0.0; piece]);
+    }
+    recorder.stop();
+    recorder.push(vec![0.0; 40]);
+    let progress = recorder.progress();
+    assert_eq!(progress.lost, 25);
+    let said = progress.failed.expect("it is said");
+    assert!(said.contains("25 rows"), "{said}");
 }
 
 #[test]
