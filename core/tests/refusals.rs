@@ -7,7 +7,7 @@ use sixaxis_core::dsp::stage::Stage;
 use sixaxis_core::dsp::{detrend, each_channel};
 use sixaxis_core::identify::compliance_fit::ComplianceFit;
 use sixaxis_core::identify::joint::room::Room;
-use sixaxis_core::identify::joint::{AtRest, Certificates, Joint};
+use sixaxis_core::identify::joint::{AtRest, Certificates, Joint, Wedges};
 use sixaxis_core::paper::limb_stream::LimbStream;
 use sixaxis_core::{
     Error, Gains, Geometry, InertiaPerMass, LIMBS, Model, Parameters, Scheme, Sensor, Settings,
@@ -44,6 +44,7 @@ const CERTIFICATES: Certificates = Certificates {
     standard_delay_s: [0.0; 2],
     amplifier_corner_rad_s: None,
     wedge_deviation_rad: 1e-3,
+    wedges: Wedges::Shared,
     compliance_s2: None,
     room: Room::NONE,
 };

@@ -200,7 +200,12 @@ pub fn calibrate(
 
     let judged_by = match &chosen {
         Some(chosen) if chosen.accounting_joint().is_some() => JudgedBy::Joint,
-        chosen => JudgedBy::FourSteps(chosen.as_ref().map(|c| &c.estimate.steps)),
+        chosen => {
+            // A fit that leaves little more than noise has weighed the gyroscope against both kinds of trials.
+            let weighed = |c: &&Chosen| c.used_joint().is_some_and(JointReport::nearly_accounts);
+            let steps = chosen.as_ref().filter(|c| !weighed(c));
+            JudgedBy::FourSteps(steps.map(|c| &c.estimate.steps))
+        }
     };
     if findings.is_empty() {
         let gyroscope = rig::gyroscope_reads(&facts, &cases);

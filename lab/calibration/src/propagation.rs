@@ -73,8 +73,7 @@ impl Sources {
                     ..TrialNoise::default()
                 };
                 for limb in 0..LIMBS {
-                    let series: Vec<f64> = trial.voltage_v.iter().map(|u| u[limb]).collect();
-                    noise.channels_v[limb] = noise_floor(&series)?;
+                    noise.channels_v[limb] = trial.noise_v(limb)?;
                 }
                 Ok(noise)
             })

@@ -1,9 +1,11 @@
 //! One recording in SI units, all channels on one clock.
 
 use glam::DVec3;
+use sixaxis_core::dsp::spectrum::{noise_floor, welch};
 use sixaxis_core::{Gains, Geometry, LIMBS, Scheme, Sensor, Settings};
 
 use crate::error::Result;
+use crate::series::median;
 use sixaxis_recordings::ingest::readings::{self, Readings};
 use sixaxis_recordings::session::{Entry, Role, Session, SessionFile};
 use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
@@ -47,7 +49,33 @@ pub(crate) fn same_wedge(a: DVec3, b: DVec3) -> bool {
     (a - b).length() < SAME_WEDGE
 }
 
+/// Longest segment of the spectrum that tells noise where differences do not, samples.
+const SEGMENT: usize = 256;
+/// Shares of the band in which noise is white between which it is told: motion is slower.
+const TOLD_IN: core::ops::RangeInclusive<f64> = 0.5..=1.0;
+
 impl Trial {
+    /// White noise of a channel, a standard deviation of one sample as the converter gave it, V. Samples that were read between those have less of it near half
+    /// the sample rate: where they were, the density below that tells, in the median line.
+    ///
+    /// # Errors
+    /// Those of [`noise_floor`] and [`welch`]: a recording too short to tell noise from motion.
+    pub fn noise_v(&self, limb: usize) -> sixaxis_core::Result<f64> {
+        let series: Vec<f64> = self.voltage_v.iter().map(|row| row[limb]).collect();
+        if self.limbs_band_hz.is_infinite() {
+            return noise_floor(&series);
+        }
+        let whole = 1 << series.len().max(1).ilog2();
+        let spectrum = welch(&series, SEGMENT.min(whole), self.sample_rate_hz)?;
+        let lines = spectrum.frequencies_hz.iter().zip(spectrum.densities);
+        let told = lines.filter(|(hz, _)| TOLD_IN.contains(&(*hz / self.limbs_band_hz)));
+        let density = median(told.map(|(_, density)| density));
+        density.map_or_else(
+            || noise_floor(&series),
+            |density| Ok((0.5 * density * self.sample_rate_hz).sqrt()),
+        )
+    }
+
     /// Reads one recording of a session, and says how its file was cut short, if it was.
     ///
     /// # Errors

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use sixaxis_calibration::joint::{Knowledge, at_rest, record};
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::room::Room;
-use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Record};
+use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Record, Wedges};
 use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_core::{Error, Gains, Geometry, LIMBS, Parameters};
@@ -397,6 +397,7 @@ const CERTIFICATES: Certificates = Certificates {
     standard_delay_s: [0.0; 2],
     amplifier_corner_rad_s: None,
     wedge_deviation_rad: 1e-3,
+    wedges: Wedges::Shared,
     compliance_s2: None,
     room: Room::NONE,
 };

@@ -125,10 +125,22 @@ pub struct Certificates {
     pub channel_delay_s: f64,
     /// Standard deviation of each of a wedge's angles, rad; 0 for exact wedges.
     pub wedge_deviation_rad: f64,
+    /// Whether trials in one direction stand on one wedge, or each as if it had a wedge of its own.
+    pub wedges: Wedges,
     /// 1/(k/m), s^2, from elsewhere: a tap on the shell.
     pub compliance_s2: Option<Known>,
     /// What nobody states.
     pub room: Room,
+}
+
+/// What trials in one direction share.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Wedges {
+    /// Their wedge.
+    #[default]
+    Shared,
+    /// Nothing: each stands in a direction of its own.
+    Apart,
 }
 
 /// Zero drifts from a record at rest, V.
@@ -245,10 +257,11 @@ impl Joint {
     /// Adds a projected trial.
     pub fn add(&mut self, prepared: Prepared) {
         let Prepared { nominal, mut trial } = prepared;
+        let is_shared = self.certificates.wedges == Wedges::Shared;
         trial.wedge = self
             .wedges
             .iter()
-            .position(|w| (w.nominal - nominal).length() < SAME_WEDGE)
+            .position(|w| is_shared && (w.nominal - nominal).length() < SAME_WEDGE)
             .unwrap_or_else(|| {
                 self.wedges.push(Wedge::new(nominal));
                 self.wedges.len() - 1

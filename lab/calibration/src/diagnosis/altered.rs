@@ -43,6 +43,10 @@ pub fn examine(at_rest: Option<&Trial>, cases: &mut [TrialCase<'_>], findings: &
         ),
         (rounded, "export with all digits: %.9g or more"),
         (
+            channels_held,
+            "read all channels on one card at one rate, or export each at its own",
+        ),
+        (
             standard_held,
             "read the standard at the channels' rate, or give its own recording as reference_file: between its readings it is then interpolated",
         ),
@@ -138,6 +142,25 @@ fn repeated(trial: &Trial) -> Option<String> {
     ))
 }
 
+/// Each reading of some channels, not of all, stands there so many times that they lag and have steps.
+fn channels_held(trial: &Trial) -> Option<String> {
+    let times = |channel: usize| {
+        let series: Vec<f64> = trial.voltage_v.iter().map(|row| row[channel]).collect();
+        times_held_evenly(&series).filter(|times| *times >= FEWEST_HELD)
+    };
+    let times: [Option<usize>; LIMBS] = core::array::from_fn(times);
+    let such = (0..LIMBS).filter(|channel| times[*channel].is_some());
+    let such: Vec<String> = such.map(|channel| (channel + 1).to_string()).collect();
+    let least = times.iter().flatten().min()?;
+    (such.len() < LIMBS).then(|| {
+        format!(
+            "each reading of channels {} stands there {least} times: they were read at {} Hz, and are late by half a period of that",
+            such.join(", "),
+            significant(trial.sample_rate_hz / *least as f64, 4)
+        )
+    })
+}
+
 /// Each reading of the standard that a trial needs stands there so many times that it lags and has steps.
 fn standard_held(trial: &Trial) -> Option<String> {
     let (name, series) = match trial.role {
@@ -159,6 +182,15 @@ fn times_held<T: PartialEq>(values: &[T]) -> Option<usize> {
     let inner = runs.get(1..runs.len().checked_sub(1)?)?;
     let times = inner.iter().min().filter(|_| inner.len() >= FEWEST)?;
     (*times > 1).then_some(*times)
+}
+
+/// The same of a channel, where each stands there just so many times, or a multiple where two are equal: coarse readings of little motion are held for
+/// any time.
+pub(super) fn times_held_evenly(series: &[f64]) -> Option<usize> {
+    let times = times_held(series)?;
+    let runs: Vec<usize> = series.chunk_by(|a, b| a == b).map(<[_]>::len).collect();
+    let inner = &runs[1..runs.len() - 1];
+    inner.iter().all(|run| run % times == 0).then_some(times)
 }
 
 /// No value has more digits than a hand would write.

@@ -8,6 +8,7 @@
 //! | file | hypothesis |
 //! |---|---|
 //! | [`freedoms`] | the model has one freedom more or less: an amplifier's high-pass, a standard's lag, channels that are late |
+//! | [`mounts`] | a trial does not stand where the others on its wedge do |
 //! | [`clock`] | the standards have a clock of their own |
 //! | [`plugs`] | two channels, or their names, are exchanged, or one is inverted, from one trial on or up to one; inverted in a single one |
 //! | [`one_kind`] | a channel or two show more or less in all trials of one kind |
@@ -17,6 +18,7 @@
 pub mod apart;
 pub mod clock;
 pub mod freedoms;
+pub mod mounts;
 pub mod one_kind;
 pub mod plugs;
 pub mod stated;
@@ -148,6 +150,9 @@ pub fn explain(
     }
     if accounting.is_empty() {
         accounting.extend(one_kind::tried(day, None));
+    }
+    if accounting.is_empty() {
+        accounting.extend(mounts::tried(day));
     }
     if accounting.is_empty() {
         accounting.extend(freedoms::tried_with_coloured_noise(day));

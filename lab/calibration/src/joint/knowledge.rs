@@ -1,7 +1,7 @@
 //! What the joint fit knows of the instruments, the wedges and k/m before it sees the trials.
 
 use sixaxis_core::identify::joint::room::Room;
-use sixaxis_core::identify::joint::{Certificates, Known};
+use sixaxis_core::identify::joint::{Certificates, Known, Wedges};
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_recordings::session::Session;
 
@@ -62,6 +62,7 @@ impl Knowledge {
                     .map(|hz| known(core::f64::consts::TAU * hz)),
                 channel_delay_s: 0.0,
                 wedge_deviation_rad: wedge_deg.to_radians(),
+                wedges: Wedges::Shared,
                 compliance_s2: None,
                 room: Room::ORDINARY,
             },

@@ -423,6 +423,30 @@ fn inv_a_healthy_day_shows_nothing() {
     assert_eq!(day.findings(), []);
 }
 
+/// A channel that a slower card holds stands still at its crests, too, and is not cut off there.
+#[test]
+fn inv_held_channels_are_no_clipped_ones() {
+    let mut day = Day::of(&healthy());
+    for (trial, _) in &mut day.trials {
+        for n in 0..trial.voltage_v.len() {
+            trial.voltage_v[n][4] = trial.voltage_v[n - n % 5][4];
+        }
+    }
+    let found = day.findings();
+    let [first, ..] = &found[..] else {
+        panic!("nothing is said")
+    };
+    assert_eq!(first.cause, Cause::Unreadable, "{found:#?}");
+    assert!(
+        first
+            .evidence
+            .starts_with("each reading of channels 5 stands there 5 times"),
+        "{found:#?}"
+    );
+    let clips = |f: &Finding| f.cause == Cause::ClippedConverter;
+    assert!(!found.iter().any(clips), "{found:#?}");
+}
+
 #[test]
 fn inv_what_a_recording_shows_by_itself_is_named() {
     let day = Day::of(&healthy());

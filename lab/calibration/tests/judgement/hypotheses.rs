@@ -4,7 +4,7 @@
 use core::f64::consts::TAU;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use sixaxis_calibration::conditioning::{Conditioned, Conditioning};
 use sixaxis_calibration::diagnosis::trial_case::{Facts, Standard};
 use sixaxis_calibration::diagnosis::{Diagnosis, examine};
@@ -86,6 +86,8 @@ struct Wrong {
     reversed: Option<usize>,
     /// Share of its peak by which every channel bends.
     bent: f64,
+    /// A trial in which the sensor stands so far off its wedge, degrees.
+    off_wedge: Option<(usize, f64)>,
 }
 
 /// Noise that is the same on every machine.
@@ -138,6 +140,12 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
     let frequency_hz = FREQUENCIES_HZ[index % 6];
     let omega = TAU * frequency_hz;
     let turns = index >= TRIALS / 2;
+    let moves = match wrong.off_wedge {
+        Some((off, deg)) if off == index => {
+            DQuat::from_axis_angle(n.any_orthonormal_vector(), deg.to_radians()) * n
+        }
+        _ => n,
+    };
     let each = |f: &dyn Fn(f64) -> f64| -> Vec<f64> {
         let fine_hz = RATE_HZ * FINE as f64;
         (0..SAMPLES * FINE).map(|i| f(i as f64 / fine_hz)).collect()
@@ -152,12 +160,12 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
     let channel = |limb: usize, t: f64| {
         let [_, rate, acceleration] = TIMING.course(t, omega);
         let force = if turns {
-            let w = n * (rate * omega * TURN_RAD);
-            let dw = n * (acceleration * omega * omega * TURN_RAD);
+            let w = moves * (rate * omega * TURN_RAD);
+            let dw = moves * (acceleration * omega * omega * TURN_RAD);
             let torque = euler_torque(&design.inertia_per_mass, w, dw);
             shares.of_torque_per_m(limb).dot(torque)
         } else {
-            let a = n * (acceleration * omega * omega * TRAVEL_M);
+            let a = moves * (acceleration * omega * omega * TRAVEL_M);
             shares.of_acceleration(limb).dot(a)
         };
         force / scale(limb)
@@ -364,6 +372,26 @@ fn number(finding: &Finding, words: &str) -> f64 {
 #[test]
 fn inv_a_healthy_day_is_accounted_for() {
     assert!(said(&Wrong::default()).1);
+}
+
+/// Of two trials on a wedge it is the one that the wedge's making does not explain. That sensitivities of one trial would explain a little of it is
+/// not for this to say.
+#[test]
+fn inv_a_trial_that_stands_otherwise_is_named_with_its_angle() {
+    for (trial, name) in [(LINEAR, "run 5"), (LINEAR + TRIALS / 2, "run 11")] {
+        let wrong = Wrong {
+            off_wedge: Some((trial, 1.0)),
+            ..Wrong::default()
+        };
+        let (said, _) = said(&wrong);
+        let [found] = &said[..] else {
+            panic!("{said:#?}")
+        };
+        assert_eq!(found.cause, Cause::LooseWedge, "{found:?}");
+        assert_eq!(found.recordings, [name], "{found:?}");
+        let off_deg = number(found, "° from the middle");
+        assert!((off_deg - 1.0).abs() < 0.05, "{found:?}");
+    }
 }
 
 #[test]

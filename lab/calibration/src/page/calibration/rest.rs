@@ -4,7 +4,6 @@ use crate::calibrate::CalibratedSession;
 use crate::series::mean_of;
 use crate::trial::Trial;
 use sixaxis_core::LIMBS;
-use sixaxis_core::dsp::spectrum::noise_floor;
 use sixaxis_recordings::session::Role;
 
 use sixaxis_page::number::{MISSING, count, fixed, significant};
@@ -102,10 +101,7 @@ fn round_up(value: f64) -> f64 {
 }
 
 fn table(calibrated: &CalibratedSession, at_rest: Option<&Trial>) -> Table {
-    let noise = |trial: &Trial, limb: usize| {
-        let series: Vec<f64> = trial.voltage_v.iter().map(|row| row[limb]).collect();
-        noise_floor(&series).ok()
-    };
+    let noise = |trial: &Trial, limb: usize| trial.noise_v(limb).ok();
     // The noise of the trials, ascending.
     let channels = (0..LIMBS).map(|limb| {
         let moving = calibrated.recordings.iter().map(|(trial, _)| trial);
