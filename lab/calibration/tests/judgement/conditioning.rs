@@ -7,10 +7,11 @@ use sixaxis_calibration::conditioning::{Conditioning, Stage};
 use sixaxis_calibration::page::calibration::page;
 use sixaxis_calibration::trial::Trial;
 
-use sixaxis_core::Gains;
 use sixaxis_core::dsp::continued::zero_phase;
+use sixaxis_core::dsp::delay::delayed;
 use sixaxis_core::dsp::lag::undo_high_pass;
 use sixaxis_core::dsp::{butterworth, detrend, outlier};
+use sixaxis_core::{Gains, LIMBS};
 use sixaxis_page::{Block, Figure, Section};
 use sixaxis_recordings::session::{Role, SessionFile};
 
@@ -96,6 +97,34 @@ fn trial() -> Trial {
         gravity_ground_m_s2: DVec3::new(-9.80665, 0.0, 0.0),
         frequency_hz: 1.0,
     }
+}
+
+/// White noise that was read between its samples keeps its density below, and near half the sample rate it has less.
+#[test]
+fn stat_noise_of_channels_read_between_samples_is_the_converters() {
+    const RATE_HZ: f64 = 1000.0;
+    let mut state = 20_261_128_u64;
+    let mut noise = || {
+        let mut unit = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        2e-3 * ((0..12).map(|_| unit()).sum::<f64>() - 6.0)
+    };
+    let motion = |k: usize| (core::f64::consts::TAU * 3.0 * k as f64 / RATE_HZ).sin();
+    let channel: Vec<f64> = (0..20_000).map(|k| motion(k) + noise()).collect();
+    let (between, _) = delayed(&channel, 0.45 / RATE_HZ, RATE_HZ).expect("a record");
+    let mut trial = Trial {
+        sample_rate_hz: RATE_HZ,
+        voltage_v: between.iter().map(|u| [*u; LIMBS]).collect(),
+        ..trial()
+    };
+    let told = |trial: &Trial| trial.noise_v(3).expect("long enough") / 2e-3;
+    assert!(told(&trial) < 0.7, "{}", told(&trial));
+    trial.limbs_band_hz = 0.2 * RATE_HZ;
+    assert!((told(&trial) - 1.0).abs() < 0.05, "{}", told(&trial));
 }
 
 fn mean(series: &[f64]) -> f64 {

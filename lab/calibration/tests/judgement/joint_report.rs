@@ -12,7 +12,7 @@ use sixaxis_core::identify::joint::estimate::{JointEstimate, TrialEstimate};
 use sixaxis_core::identify::joint::room::Spreads;
 use sixaxis_core::identify::joint::unknowns::{
     ACCELEROMETER_GAIN, AMPLIFIER_CORNER, ANGLES, COMPLIANCE, GYROSCOPE_GAIN, GYROSCOPE_LAG,
-    INERTIA, MASS_PER_SCALE, Unknowns, WEDGES, Wedge,
+    INERTIA, MASS_CENTRE, MASS_PER_SCALE, Unknowns, WEDGES, Wedge,
 };
 use sixaxis_core::parameter::{PARAMETERS, Parameter};
 use sixaxis_core::significance::NORMAL_95;
@@ -370,6 +370,24 @@ fn inv_a_compliance_that_is_open_leaves_the_design() {
     let mut negative = estimate();
     negative.unknowns.values[COMPLIANCE] *= -1.0;
     assert!(!report_of(negative).compliance_is_determined);
+}
+
+/// Where the mass's centre is, and where it is held.
+#[test]
+fn inv_the_mass_s_centre_is_told_and_kept() {
+    let mut fit = estimate();
+    let place = [3e-4, -2e-4, 1e-4];
+    for (axis, along_m) in place.into_iter().enumerate() {
+        fit.unknowns.values[MASS_CENTRE + axis] = along_m;
+        fit.covariance[(MASS_CENTRE + axis, MASS_CENTRE + axis)] = 4e-12;
+    }
+    let report = report_of(fit.clone());
+    assert_eq!(report.limbs().mass_centre_m, place);
+    let told = report.nuisances().room.mass_centre_m.expect("free");
+    close("along y", told[1].value, -2e-4, ROUNDING);
+    close("its deviation", told[1].deviation, 2e-6, ROUNDING);
+    fit.covariance[(MASS_CENTRE, MASS_CENTRE)] = 0.0;
+    assert_eq!(report_of(fit).nuisances().room.mass_centre_m, None);
 }
 
 #[test]

@@ -9,6 +9,7 @@ use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
 use super::allan::Stability;
+use super::jumps::Jump;
 use crate::envelope::Envelope;
 use crate::ingest::clock::Stamps;
 use crate::runs::Runs;
@@ -60,7 +61,7 @@ pub enum Severity {
 /// One sentence about a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fact {
-    /// One word for scripts: `clipped`, `constant`, `still`, `not_finite`, `drift`, `mains`, `identical`, `opposite`, `gap`,
+    /// One word for scripts: `clipped`, `constant`, `still`, `not_finite`, `drift`, `mains`, `identical`, `opposite`, `gap`, `jump`,
     /// `not_advancing`, `jitter`, `rate`, `unreadable`, `empty`, `cut`; `remark` for what is no defect.
     pub kind: &'static str,
     /// Channels concerned.
@@ -315,6 +316,9 @@ pub struct ChannelFacts {
     pub at_full_scale: Option<u64>,
     /// Mean of the last tenth less mean of the first.
     pub drift: Option<f64>,
+    /// Where it leaves its own course for a few samples: at most the first 64.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub jumps: Vec<Jump>,
     /// The drift is no part of the motion, as far as the scatter within the two tenths tells.
     pub drift_stands_out: bool,
     /// Highest line that stands out, lowest lines left aside.

@@ -10,6 +10,7 @@
 //! | `reading` | which channels are read side by side; blocks from the file to the accumulators |
 //! | `series` | one channel's numbers, all in one pass |
 //! | `extreme` | flat tops |
+//! | `jumps` | spikes, steps, missing samples |
 //! | `resolution` | smallest step, bits |
 //! | `spectrum` | highest line, mains |
 //! | [`allan`] | at rest: Allan deviation, noise density, bias instability, random walk |
@@ -26,6 +27,7 @@
 pub mod allan;
 mod extreme;
 pub mod facts;
+mod jumps;
 pub mod listing;
 mod notices;
 pub mod page;

@@ -2,7 +2,10 @@
 
 mod limbs;
 
+use std::collections::BTreeMap;
+
 use super::facts::{ChannelFacts, Fact, FlatTop, Group, Inspection, RateOrigin, Severity, Twins};
+use super::jumps::Jump;
 use super::listing::{brief, plural, seconds, with_unit};
 use super::sensor::Expected;
 use crate::ingest::clock::{CLOSEST_S, Stamps};
@@ -17,6 +20,8 @@ const JITTER: f64 = 0.01;
 const RATE: f64 = 1e-4;
 /// Channels of which one kind of fact names each by itself.
 const EACH: usize = 3;
+/// Samples within which channels jump at once: a blow reaches one after the other.
+const AT_ONCE: u64 = 64;
 /// Channel names in a sentence.
 const NAMED: usize = 12;
 
@@ -35,6 +40,7 @@ pub fn of(inspection: &Inspection, expected: Option<&Expected>) -> Vec<Fact> {
         if let Some(stamps) = &group.time_stamps {
             facts.of_stamps(stamps, group);
         }
+        facts.of_jumps(group);
         if group.samples > 0 {
             facts.of_channels(&group.channels, expected);
         } else if !group.channels.is_empty() {
@@ -100,6 +106,51 @@ impl Facts {
         }
         for channel in channels {
             self.notice(kind, [&channel.name], one(channel));
+        }
+    }
+
+    /// A blow reaches the limbs of an axis, three of them: what one channel shows alone is the channel's.
+    fn of_jumps(&mut self, group: &Group) {
+        let mut all: Vec<(&Jump, &ChannelFacts)> = (group.channels.iter())
+            .flat_map(|channel| channel.jumps.iter().map(move |jump| (jump, channel)))
+            .collect();
+        all.sort_by_key(|(jump, _)| jump.sample);
+        let mut several: Option<(u64, usize)> = None;
+        let mut alone: BTreeMap<&String, Vec<(&Jump, &ChannelFacts)>> = BTreeMap::new();
+        for at_once in all.chunk_by(|(a, _), (b, _)| b.sample - a.sample <= AT_ONCE) {
+            let (first, channel) = at_once[0];
+            if at_once.iter().any(|(_, other)| other.name != channel.name) {
+                several = Some(several.map_or((first.sample, 1), |(at, places)| (at, places + 1)));
+            } else {
+                let own = at_once.iter().filter(|(jump, _)| !jump.rings).copied();
+                alone.entry(&channel.name).or_default().extend(own);
+            }
+        }
+        alone.retain(|_, jumps| !jumps.is_empty());
+        for (name, jumps) in alone {
+            let (Jump { sample, by, .. }, channel) = jumps[0];
+            let more = match jumps.len() {
+                1 => String::new(),
+                more => format!(", and at {} more", plural(more as u64 - 1, "place")),
+            };
+            let text = format!(
+                "{name} jumps by {} before sample {sample}, alone{more}: a spike or a step that no motion makes",
+                with_unit(*by, channel.unit_name())
+            );
+            self.notice("jump", [name], text);
+        }
+        let has_gaps = group
+            .time_stamps
+            .as_ref()
+            .is_some_and(|stamps| stamps.gaps > 0);
+        if let Some((sample, places)) = several.filter(|_| !has_gaps) {
+            self.remark(format!(
+                "several channels jump at once before sample {sample}{}: samples may be missing there, or something was struck",
+                match places {
+                    1 => String::new(),
+                    more => format!(", and at {} more", plural(more as u64 - 1, "place")),
+                }
+            ));
         }
     }
 

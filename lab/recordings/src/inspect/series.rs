@@ -7,6 +7,7 @@ use sixaxis_core::dsp::spectrum::{MIN_NOISE_SAMPLES, Welch, noise_floor};
 use super::allan::Allan;
 use super::extreme::Extreme;
 use super::facts::{ChannelFacts, Densities, Line, Prints, UnitFacts};
+use super::jumps::{Jump, Jumps};
 use super::resolution::{Steps, keep_every_second};
 use super::spectrum;
 use crate::channel::Channel;
@@ -134,9 +135,10 @@ impl Series {
         let (constant, span) = (any && high == low, high - low);
         let resolution = self.steps.finish();
         let spectra = Spectra::of(self.welch, rate_hz, constant);
+        let (noise_floor, jumps) = self.noise.finish();
         let noise_floor = number(
             "noise_floor",
-            self.noise.finish(),
+            noise_floor,
             "fewer than 32 finite samples in a row",
         );
         let drift = self.envelope.drift(noise_floor.unwrap_or(0.0));
@@ -174,6 +176,7 @@ impl Series {
             flat_top: self.high.flat(span, &resolution, !self.fractional, 1.0),
             at_full_scale: self.full_scale.is_finite().then_some(self.at_full_scale),
             drift: number("drift", drift.map(|d| d.0), no_drift),
+            jumps,
             drift_stands_out: drift.is_some_and(|d| d.1),
             dominant: spectra.dominant,
             mains: spectra.mains,
@@ -255,10 +258,13 @@ fn mix(state: u64, x: f64) -> u64 {
     (state.rotate_left(23) ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15)
 }
 
-/// Median of the noise floors of pieces without a gap.
+/// Median of the noise floors of pieces without a gap, and what jumps there.
 #[derive(Debug, Clone, Default)]
 struct Noise {
     piece: Vec<f64>,
+    /// The sample behind the piece.
+    behind: u64,
+    jumps: Jumps,
     floors: Vec<f64>,
     /// Pieces seen, and how often the floors were halved: every 2^halvings-th piece is looked at.
     pieces: u64,
@@ -272,32 +278,38 @@ impl Noise {
                 Some((last, before)) if !last.is_finite() => (before, true),
                 _ => (run, false),
             };
+            let mut left = finite.len() + usize::from(broken);
+            self.behind += left as u64;
             while !finite.is_empty() {
                 let room = NOISE_PIECE - self.piece.len();
                 let (now, later) = finite.split_at(room.min(finite.len()));
                 self.piece.extend_from_slice(now);
+                left -= now.len();
                 finite = later;
                 if self.piece.len() == NOISE_PIECE {
-                    self.tell();
+                    self.tell(left);
                 }
             }
             if broken {
                 // A short piece is better than none.
                 if self.floors.is_empty() {
-                    self.tell();
+                    self.tell(left);
                 }
                 self.piece.clear();
             }
         }
     }
 
-    fn tell(&mut self) {
+    /// Takes a piece with so many samples before [`Self::behind`] still to come.
+    fn tell(&mut self, left: usize) {
         let due = self.pieces.trailing_zeros() >= self.halvings;
         self.pieces += 1;
         if due && self.piece.len() >= MIN_NOISE_SAMPLES {
             // Refused only for differences that overflow.
             if let Ok(floor) = noise_floor(&self.piece) {
                 self.floors.push(floor);
+                let from = self.behind - (left + self.piece.len()) as u64;
+                self.jumps.look(&self.piece, from, floor);
             }
         }
         if self.floors.len() == NOISE_KEPT {
@@ -307,10 +319,13 @@ impl Noise {
         self.piece.clear();
     }
 
-    fn finish(mut self) -> Option<f64> {
-        if self.floors.is_empty() {
-            self.tell();
+    fn finish(mut self) -> (Option<f64>, Vec<Jump>) {
+        // The last piece is shorter: of the noise there are better ones, of jumps none.
+        let all = self.floors.len();
+        self.tell(0);
+        if all > 0 {
+            self.floors.truncate(all);
         }
-        spectrum::median(&self.floors)
+        (spectrum::median(&self.floors), self.jumps.first)
     }
 }

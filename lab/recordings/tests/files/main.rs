@@ -6,6 +6,7 @@ mod expected;
 mod clocks;
 mod draft;
 mod hdf5;
+mod jumps;
 mod matlab;
 mod numpy;
 mod parquet;
