@@ -14,6 +14,8 @@ use crate::series::extent;
 const CYCLES: f64 = 2.0;
 /// Share of the largest span of one cycle that each half of what is fitted has, and from which the drive turns.
 const TURNING: f64 = 0.5;
+/// Share by which the cycle in the middle of what is fitted may span more than one on either side: the drive is up to speed in both.
+const STEADY: f64 = 0.02;
 /// Harmonics of the fit: a rod of three cranks leaves a thousandth beyond.
 const HARMONICS: usize = 4;
 /// Corrections of the frequency; it settles in three.
@@ -41,7 +43,13 @@ pub fn measure(series: &[f64], sample_rate_hz: f64, frequency_hz: f64) -> Option
     }
     let count = wanted as usize;
     let first = middle_of_the_run(series, count);
-    let values = DVector::from_column_slice(&series[first..first + count]);
+    let fitted = &series[first..first + count];
+    let (early, late) = fitted.split_at(count / 2);
+    let middle = span(&fitted[count / 4..count / 4 + count / 2]);
+    if middle > (1.0 + STEADY) * span(early).min(span(late)) {
+        return None;
+    }
+    let values = DVector::from_column_slice(fitted);
     // About the middle, so that a change of the frequency does not turn the phase.
     let time_s = |n: usize| (n as f64 - 0.5 * (count - 1) as f64) / sample_rate_hz;
     let start_rad_s = TAU * frequency_hz;
@@ -87,10 +95,6 @@ pub fn measure(series: &[f64], sample_rate_hz: f64, frequency_hz: f64) -> Option
 /// First of `count` samples in the middle of the run: a recording may go on at rest, at one end more than at the other.
 fn middle_of_the_run(series: &[f64], count: usize) -> usize {
     let cycle = count / 2;
-    let span = |part: &[f64]| {
-        let (low, high) = extent(part.iter().copied());
-        high - low
-    };
     let spans: Vec<f64> = series.chunks(cycle).map(span).collect();
     let turning = TURNING * spans.iter().copied().fold(0.0, f64::max);
     let middle = (series.len() - count) / 2;
@@ -103,6 +107,11 @@ fn middle_of_the_run(series: &[f64], count: usize) -> usize {
     let to = spans.iter().rposition(turns).unwrap_or(0);
     let centre = (from + to + 1) * cycle / 2;
     centre.saturating_sub(cycle).min(series.len() - count)
+}
+
+fn span(part: &[f64]) -> f64 {
+    let (low, high) = extent(part.iter().copied());
+    high - low
 }
 
 #[cfg(test)]
@@ -132,6 +141,29 @@ mod tests {
                 "{found:?}"
             );
         }
+    }
+
+    /// A single turn at full speed between a run-up and a run-down is no two cycles.
+    #[test]
+    fn inv_a_drive_that_is_hardly_up_to_speed_tells_nothing() {
+        let speed = |n: usize| f64::min(1.0, (n as f64 / 526.0).min((1578.0 - n as f64) / 526.0));
+        let run = |steady: usize| -> Vec<f64> {
+            let mut angle = 0.0;
+            (0..1578 + steady)
+                .map(|n| {
+                    let now = if n < 789 {
+                        speed(n)
+                    } else {
+                        speed(n.saturating_sub(steady).max(789))
+                    };
+                    angle += TAU * 1.9e-3 * now;
+                    now * angle.sin()
+                })
+                .collect()
+        };
+        assert_eq!(measure(&run(0), 1000.0, 1.9), None);
+        let found = measure(&run(1052), 1000.0, 1.9).expect("two cycles and more");
+        assert!((found.amplitude - 1.0).abs() < LEFT, "{found:?}");
     }
 
     #[test]
