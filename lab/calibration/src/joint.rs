@@ -108,9 +108,8 @@ pub fn fit(
     };
     fitted(knowledge).or_else(|refusal| {
         // Far off the middle, a mass looks like more cross-talk than a fit finds its way through.
-        let mut free = *knowledge;
-        free.certificates.room.mass_centre_m = mass_centre::DEVIATION_M;
-        let free = fitted(&free).ok().filter(JointReport::accounts);
+        let free = fitted(&knowledge.with_free_mass()).ok();
+        let free = free.filter(JointReport::accounts);
         free.ok_or(refusal)
     })
 }

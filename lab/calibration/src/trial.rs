@@ -49,8 +49,10 @@ pub(crate) fn same_wedge(a: DVec3, b: DVec3) -> bool {
     (a - b).length() < SAME_WEDGE
 }
 
-/// Longest segment of the spectrum that tells noise where differences do not, samples.
-const SEGMENT: usize = 256;
+/// Segment of the spectrum that tells noise where differences do not, samples: at least and at most. The median line of few segments is too low.
+const SEGMENT: core::ops::RangeInclusive<usize> = 32..=256;
+/// Segments in a recording at least, but of the shortest.
+const SEGMENTS: usize = 16;
 /// Shares of the band in which noise is white between which it is told: motion is slower.
 const TOLD_IN: core::ops::RangeInclusive<f64> = 0.5..=1.0;
 
@@ -65,8 +67,9 @@ impl Trial {
         if self.limbs_band_hz.is_infinite() {
             return noise_floor(&series);
         }
-        let whole = 1 << series.len().max(1).ilog2();
-        let spectrum = welch(&series, SEGMENT.min(whole), self.sample_rate_hz)?;
+        let segment = 1 << (series.len() / SEGMENTS).max(1).ilog2();
+        let segment = segment.clamp(*SEGMENT.start(), *SEGMENT.end());
+        let spectrum = welch(&series, segment, self.sample_rate_hz)?;
         let lines = spectrum.frequencies_hz.iter().zip(spectrum.densities);
         let told = lines.filter(|(hz, _)| TOLD_IN.contains(&(*hz / self.limbs_band_hz)));
         let density = median(told.map(|(_, density)| density));

@@ -154,7 +154,8 @@ fn channels_held(trial: &Trial) -> Option<String> {
     let least = times.iter().flatten().min()?;
     (such.len() < LIMBS).then(|| {
         format!(
-            "each reading of channels {} stands there {least} times: they were read at {} Hz, and are late by half a period of that",
+            "each reading of channel{} {} stands there {least} times: it was read at {} Hz, and is late by half a period of that",
+            if such.len() == 1 { "" } else { "s" },
             such.join(", "),
             significant(trial.sample_rate_hz / *least as f64, 4)
         )

@@ -32,6 +32,8 @@ const SHOULDERS: f64 = 0.1;
 /// Converter steps above a top that a curve through the samples on either side of it passes at least where the top is cut off: a quiet channel's rounded top
 /// hides one.
 const HIDDEN: f64 = 4.0;
+/// Converter steps by which no rounded top has fallen there, whose curve need not be asked: far overdriven, it has flanks and no curve.
+const STEEP: f64 = 500.0;
 /// Samples that are few for that curve.
 const FEW: usize = 32;
 /// Powers of time in that curve, one more than its degree.
@@ -372,7 +374,8 @@ fn is_cut_off(series: &[f64], from: usize, to: usize, step: f64) -> bool {
         + series[to..].iter().take_while(beside).count();
     fallen > ROUNDED_TOP * step
         && (shoulders as f64) < SHOULDERS * n as f64
-        && hidden(series, from, to).is_none_or(|hidden| hidden > HIDDEN * step)
+        && (fallen > STEEP * step
+            || hidden(series, from, to).is_none_or(|hidden| hidden > HIDDEN * step))
 }
 
 /// How far beyond a flat top the curve through as many samples on either side of it, or twice as many of few, goes at its middle; none where
@@ -429,5 +432,8 @@ mod tests {
         assert_eq!(accused, 0);
         let named = (0..300).filter(|seed| flat(*seed, 4.5)).count();
         assert_eq!(named, 300);
+        // Ten times what the converter takes.
+        let named = (0..30).filter(|seed| flat(*seed, 0.6)).count();
+        assert_eq!(named, 30);
     }
 }

@@ -80,7 +80,15 @@ impl Unaccounted<'_> {
         knowledge: &Knowledge,
     ) -> Option<JointReport> {
         let geometry = &self.campaign.geometry;
-        fit_trials(geometry, trials, rest, start, knowledge, Loss::Squares).ok()
+        let fitted = |knowledge: &Knowledge| {
+            fit_trials(geometry, trials, rest, start, knowledge, Loss::Squares).ok()
+        };
+        // A day without a fit may also have a mass that is far off the middle.
+        fitted(knowledge).or_else(|| {
+            self.joint
+                .is_err()
+                .then(|| fitted(&knowledge.with_free_mass()))?
+        })
     }
 
     /// The fit of all trials, each put right. It starts from what their responses then agree on.

@@ -5,6 +5,7 @@ use sixaxis_core::identify::joint::{Certificates, Known, Wedges};
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_recordings::session::Session;
 
+use super::mass_centre;
 use crate::tap::Taps;
 
 /// Standard deviation of a wedge's angles where the session does not say, degrees: a workshop's.
@@ -67,6 +68,14 @@ impl Knowledge {
                 room: Room::ORDINARY,
             },
         }
+    }
+
+    /// The same with the mass's centre anywhere near the cube's.
+    #[must_use]
+    pub fn with_free_mass(&self) -> Self {
+        let mut free = *self;
+        free.certificates.room.mass_centre_m = mass_centre::DEVIATION_M;
+        free
     }
 
     /// Takes k/m from taps, if they determine it. They were evaluated with steps 2 and 3, whose errors they share with the

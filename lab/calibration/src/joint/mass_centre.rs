@@ -16,12 +16,18 @@ use sixaxis_core::identify::joint::unknowns::Unknowns;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 use sixaxis_core::{Geometry, LIMBS};
 
+use super::JointReport;
+
 /// How far a workshop may miss the middle of the cube, a standard deviation, m.
 pub(super) const DEVIATION_M: f64 = 1e-3;
 /// Spread of what channels apart show of each other from which on it is worth a second fit.
 const LEAST: f64 = 3e-5;
 /// Share of all cross-talk that three numbers account for then: of nothing but chance it is 3 in 45.
 const EXPLAINED: f64 = 0.15;
+/// Spread of what channels apart show of each other with the centre free that is more than nothing.
+const LEFT_OVER: f64 = 1e-4;
+/// Distance from the cube's centre that is remarkable, m.
+const FAR_M: f64 = 1e-3;
 /// Share that the second fit leaves of that spread at most.
 const LEFT: f64 = 0.5;
 
@@ -60,6 +66,26 @@ pub(super) fn may_be(geometry: &Geometry, held: &JointEstimate) -> bool {
     let explained = &by_centre * normal.solve(&by_centre.tr_mul(&shown));
     held.spreads.cross_talk_apart > LEAST
         && explained.norm_squared() > EXPLAINED * shown.norm_squared()
+}
+
+impl JointReport {
+    /// What is odd about a mass that was found off the middle: that it is farther than a workshop misses it, or not all of what looked like it.
+    pub fn odd_mass_centre(&self) -> Option<String> {
+        let place = self.nuisances().room.mass_centre_m?;
+        let off_m = DVec3::from_array(place.map(|along| along.value)).length();
+        let apart = self.estimate.spreads.cross_talk_apart;
+        let found = format!(
+            "the mass's centre comes out {:.2} mm from the cube's",
+            1e3 * off_m
+        );
+        if apart > LEFT_OVER {
+            return Some(format!(
+                "{found}, and channels that are apart show {:.3} % of each other beside what that explains: it may hide a channel that is another in one kind of trials",
+                100.0 * apart
+            ));
+        }
+        (off_m > FAR_M).then(|| format!("{found}: more than a workshop misses the middle by; see whether something is loose, or lies on the mass"))
+    }
 }
 
 /// Whether a fit with the centre free is the better one.

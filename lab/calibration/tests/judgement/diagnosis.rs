@@ -440,7 +440,7 @@ fn inv_held_channels_are_no_clipped_ones() {
     assert!(
         first
             .evidence
-            .starts_with("each reading of channels 5 stands there 5 times"),
+            .starts_with("each reading of channel 5 stands there 5 times"),
         "{found:#?}"
     );
     let clips = |f: &Finding| f.cause == Cause::ClippedConverter;

@@ -386,6 +386,20 @@ fn inv_the_mass_s_centre_is_told_and_kept() {
     let told = report.nuisances().room.mass_centre_m.expect("free");
     close("along y", told[1].value, -2e-4, ROUNDING);
     close("its deviation", told[1].deviation, 2e-6, ROUNDING);
+    // Ordinary, with something that it does not explain, and farther than anyone misses the middle.
+    assert_eq!(report.odd_mass_centre(), None);
+    let odd = |change: &dyn Fn(&mut JointEstimate)| {
+        let mut fit = fit.clone();
+        change(&mut fit);
+        report_of(fit).odd_mass_centre().unwrap_or_default()
+    };
+    let left = odd(&|fit| fit.spreads.cross_talk_apart = 3e-4);
+    assert!(
+        left.contains("0.37 mm") && left.contains("0.030 %"),
+        "{left}"
+    );
+    let far = odd(&|fit| fit.unknowns.values[MASS_CENTRE] = 1.2e-3);
+    assert!(far.contains("more than a workshop"), "{far}");
     fit.covariance[(MASS_CENTRE, MASS_CENTRE)] = 0.0;
     assert_eq!(report_of(fit).nuisances().room.mass_centre_m, None);
 }

@@ -316,8 +316,8 @@ pub struct ChannelFacts {
     pub at_full_scale: Option<u64>,
     /// Mean of the last tenth less mean of the first.
     pub drift: Option<f64>,
-    /// Where it leaves its own course for a few samples: at most the first 64.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    /// Where it leaves its own course from one sample to the next.
+    #[serde(skip)]
     pub jumps: Vec<Jump>,
     /// The drift is no part of the motion, as far as the scatter within the two tenths tells.
     pub drift_stands_out: bool,

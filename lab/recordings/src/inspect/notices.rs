@@ -4,8 +4,10 @@ mod limbs;
 
 use std::collections::BTreeMap;
 
-use super::facts::{ChannelFacts, Fact, FlatTop, Group, Inspection, RateOrigin, Severity, Twins};
-use super::jumps::Jump;
+use super::facts::{
+    ChannelFacts, Fact, FlatTop, Group, Inspection, RateOrigin, Sensor, Severity, Twins,
+};
+use super::jumps::{self, Jump};
 use super::listing::{brief, plural, seconds, with_unit};
 use super::sensor::Expected;
 use crate::ingest::clock::{CLOSEST_S, Stamps};
@@ -21,7 +23,7 @@ const RATE: f64 = 1e-4;
 /// Channels of which one kind of fact names each by itself.
 const EACH: usize = 3;
 /// Samples within which channels jump at once: a blow reaches one after the other.
-const AT_ONCE: u64 = 64;
+const AT_ONCE: u64 = 256;
 /// Channel names in a sentence.
 const NAMED: usize = 12;
 
@@ -40,7 +42,7 @@ pub fn of(inspection: &Inspection, expected: Option<&Expected>) -> Vec<Fact> {
         if let Some(stamps) = &group.time_stamps {
             facts.of_stamps(stamps, group);
         }
-        facts.of_jumps(group);
+        facts.of_jumps(group, inspection.sensor.as_ref());
         if group.samples > 0 {
             facts.of_channels(&group.channels, expected);
         } else if !group.channels.is_empty() {
@@ -109,33 +111,42 @@ impl Facts {
         }
     }
 
-    /// A blow reaches the limbs of an axis, three of them: what one channel shows alone is the channel's.
-    fn of_jumps(&mut self, group: &Group) {
-        let mut all: Vec<(&Jump, &ChannelFacts)> = (group.channels.iter())
+    /// A blow reaches the limbs of an axis, three of them: what one limb shows alone is the channel's.
+    fn of_jumps(&mut self, group: &Group, sensor: Option<&Sensor>) {
+        let is_limb = |name: &String| sensor.is_some_and(|sensor| sensor.limbs.contains(name));
+        let all: Vec<&ChannelFacts> = group.channels.iter().filter(|c| is_limb(&c.name)).collect();
+        // Behind the last that was kept nobody knows who jumps along.
+        let full = all
+            .iter()
+            .filter(|channel| channel.jumps.len() == jumps::KEPT);
+        let known = full.filter_map(|channel| Some(channel.jumps.last()?.sample));
+        let known = known.min().unwrap_or(u64::MAX);
+        let mut all: Vec<(&Jump, &ChannelFacts)> = all
+            .into_iter()
             .flat_map(|channel| channel.jumps.iter().map(move |jump| (jump, channel)))
+            .filter(|(jump, _)| jump.sample <= known)
             .collect();
         all.sort_by_key(|(jump, _)| jump.sample);
-        let mut several: Option<(u64, usize)> = None;
+        let more = |places: usize| match places {
+            0 | 1 => String::new(),
+            more => format!(", and at {}", plural(more as u64 - 1, "other place")),
+        };
+        let mut several: Vec<u64> = Vec::new();
         let mut alone: BTreeMap<&String, Vec<(&Jump, &ChannelFacts)>> = BTreeMap::new();
         for at_once in all.chunk_by(|(a, _), (b, _)| b.sample - a.sample <= AT_ONCE) {
             let (first, channel) = at_once[0];
             if at_once.iter().any(|(_, other)| other.name != channel.name) {
-                several = Some(several.map_or((first.sample, 1), |(at, places)| (at, places + 1)));
+                several.push(first.sample);
             } else {
-                let own = at_once.iter().filter(|(jump, _)| !jump.rings).copied();
-                alone.entry(&channel.name).or_default().extend(own);
+                alone.entry(&channel.name).or_default().extend(at_once);
             }
         }
-        alone.retain(|_, jumps| !jumps.is_empty());
         for (name, jumps) in alone {
-            let (Jump { sample, by, .. }, channel) = jumps[0];
-            let more = match jumps.len() {
-                1 => String::new(),
-                more => format!(", and at {} more", plural(more as u64 - 1, "place")),
-            };
+            let (Jump { sample, by }, channel) = jumps[0];
             let text = format!(
-                "{name} jumps by {} before sample {sample}, alone{more}: a spike or a step that no motion makes",
-                with_unit(*by, channel.unit_name())
+                "{name} jumps by {} before sample {sample}, alone{}: a spike or a step that no motion makes",
+                with_unit(*by, channel.unit_name()),
+                more(jumps.len())
             );
             self.notice("jump", [name], text);
         }
@@ -143,13 +154,10 @@ impl Facts {
             .time_stamps
             .as_ref()
             .is_some_and(|stamps| stamps.gaps > 0);
-        if let Some((sample, places)) = several.filter(|_| !has_gaps) {
+        if let Some(sample) = several.first().filter(|_| !has_gaps) {
             self.remark(format!(
-                "several channels jump at once before sample {sample}{}: samples may be missing there, or something was struck",
-                match places {
-                    1 => String::new(),
-                    more => format!(", and at {} more", plural(more as u64 - 1, "place")),
-                }
+                "several limbs jump at once before sample {sample}{}: samples may be missing there, or something was struck",
+                more(several.len())
             ));
         }
     }

@@ -295,7 +295,9 @@ impl Noise {
                 if self.floors.is_empty() {
                     self.tell(left);
                 }
+                self.look(left);
                 self.piece.clear();
+                self.jumps.gap();
             }
         }
     }
@@ -308,10 +310,9 @@ impl Noise {
             // Refused only for differences that overflow.
             if let Ok(floor) = noise_floor(&self.piece) {
                 self.floors.push(floor);
-                let from = self.behind - (left + self.piece.len()) as u64;
-                self.jumps.look(&self.piece, from, floor);
             }
         }
+        self.look(left);
         if self.floors.len() == NOISE_KEPT {
             keep_every_second(&mut self.floors);
             self.halvings += 1;
@@ -319,13 +320,19 @@ impl Noise {
         self.piece.clear();
     }
 
-    fn finish(mut self) -> (Option<f64>, Vec<Jump>) {
-        // The last piece is shorter: of the noise there are better ones, of jumps none.
-        let all = self.floors.len();
-        self.tell(0);
-        if all > 0 {
-            self.floors.truncate(all);
+    /// Looks for jumps in a piece, by the noise of the last that was long enough to tell it.
+    fn look(&mut self, left: usize) {
+        if let Some(floor) = self.floors.last() {
+            let from = self.behind - (left + self.piece.len()) as u64;
+            self.jumps.look(&self.piece, from, *floor);
         }
+    }
+
+    fn finish(mut self) -> (Option<f64>, Vec<Jump>) {
+        if self.floors.is_empty() {
+            self.tell(0);
+        }
+        self.look(0);
         (spectrum::median(&self.floors), self.jumps.first)
     }
 }

@@ -24,7 +24,10 @@ fn said(spoil: impl Fn(&mut [Vec<f64>])) -> [Vec<String>; 2] {
     let names: Vec<String> = (1..=9).map(|limb| format!("u{limb} [V]")).collect();
     let mut text = names.join(",") + "\n";
     for k in 0..channels[0].len() {
-        let row: Vec<String> = channels.iter().map(|u| format!("{:.5}", u[k])).collect();
+        let row: Vec<String> = channels
+            .iter()
+            .map(|u| format!("{:.5}", u[k]).to_lowercase())
+            .collect();
         let _ = writeln!(text, "{}", row.join(","));
     }
     let file = tempfile::Builder::new()
@@ -55,7 +58,7 @@ fn inv_a_jump_of_one_channel_is_noticed_and_of_several_remarked() {
         }
     });
     assert!(noticed.is_empty(), "{noticed:?}");
-    let place = format!("jump at once before sample {SAMPLE}");
+    let place = format!("several limbs jump at once before sample {SAMPLE}");
     assert!(
         remarks.len() == 1 && remarks[0].contains(&place),
         "{remarks:?}"
@@ -69,4 +72,27 @@ fn inv_a_jump_of_one_channel_is_noticed_and_of_several_remarked() {
         }
     });
     assert!(noticed.is_empty(), "{noticed:?}");
+    // A plug that crackles, after a sample that is none, and taps that a weak channel shows only now and then.
+    let [noticed, _] = said(|u| {
+        u[5][500] = f64::NAN;
+        for k in 0..6 {
+            u[5][700 + 300 * k] += 1.0;
+        }
+    });
+    assert!(
+        noticed.len() == 1
+            && noticed[0].contains("u6 jumps")
+            && noticed[0].contains("5 other places"),
+        "{noticed:?}"
+    );
+    let [noticed, _] = said(|u| {
+        for tap in 0..5 {
+            u[2][700 + 300 * tap] += 2.0;
+        }
+        u[0][1300] += 0.7;
+    });
+    assert!(
+        noticed.len() == 1 && noticed[0].contains("u3 jumps"),
+        "{noticed:?}"
+    );
 }

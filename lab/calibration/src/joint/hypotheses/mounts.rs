@@ -1,7 +1,7 @@
 //! A trial does not stand where the others on its wedge do: dirt under the sensor, a screw that was not tightened.
 //!
 //! The fit is made again with a direction of its own for each trial. If that accounts for all of them, those that stand off the middle of their
-//! wedge's are named; of two trials on a wedge, both.
+//! wedge's are named; of two trials on a wedge, both, by half the angle between them.
 
 use glam::DVec3;
 use sixaxis_core::identify::joint::Wedges;
@@ -66,9 +66,13 @@ fn off_their_wedges_deg(joint: &JointReport) -> Vec<f64> {
                 })
                 .map(direction)
                 .collect();
-            let middle = DVec3::from_array(core::array::from_fn(|axis| {
-                median(alike.iter().map(|n| n[axis])).unwrap_or(f64::NAN)
-            }));
+            let middle = match alike[..] {
+                // Of two neither is the measure.
+                [one, other] => 0.5 * (one + other),
+                _ => DVec3::from_array(core::array::from_fn(|axis| {
+                    median(alike.iter().map(|n| n[axis])).unwrap_or(f64::NAN)
+                })),
+            };
             direction(own).angle_between(middle).to_degrees()
         })
         .collect()
