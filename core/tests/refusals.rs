@@ -7,7 +7,8 @@ use sixaxis_core::dsp::stage::Stage;
 use sixaxis_core::dsp::{detrend, each_channel};
 use sixaxis_core::identify::compliance_fit::ComplianceFit;
 use sixaxis_core::identify::joint::room::Room;
-use sixaxis_core::identify::joint::{AtRest, Certificates, Joint, Wedges};
+use sixaxis_core::identify::joint::unknowns::Wedges;
+use sixaxis_core::identify::joint::{AtRest, Certificates, Joint};
 use sixaxis_core::paper::limb_stream::LimbStream;
 use sixaxis_core::{
     Error, Gains, Geometry, InertiaPerMass, LIMBS, Model, Parameters, Scheme, Sensor, Settings,

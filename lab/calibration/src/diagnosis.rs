@@ -4,7 +4,7 @@
 //! left over is tried against one cause after the other. The order matters: a fault that explains others is looked for first,
 //! and what it explains is not reported again.
 //!
-//! 1. [`altered`]: what happened between converter and file; [`raw`]: what one recording shows by itself: clipped; and [`role`]:
+//! 1. [`altered`]: what happened between converter and file; [`raw`]: what one recording shows by itself: clipped (`flat_top`); and [`role`]:
 //!    whether it does what its role says.
 //! 2. [`still`]: channels of the static record that read nothing, not even noise.
 //! 3. [`zero`]: static records whose zeros are not those of the trials.
@@ -23,6 +23,7 @@
 
 pub mod altered;
 pub mod drift;
+mod flat_top;
 pub mod fundamental;
 pub mod gravity;
 pub mod level;

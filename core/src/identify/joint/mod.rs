@@ -70,7 +70,7 @@ use self::room::{Room, Spread, Spreads};
 use self::trial::Trial;
 use self::unknowns::{
     AMPLIFIER_CORNER, ANGLES, COMPLIANCE, CROSS_TALK, DRIFT, GYROSCOPE_GAIN, GYROSCOPE_LAG,
-    INERTIA, MASS_CENTRE, MASS_PER_SCALE, STIFFNESS, Unknowns, WEDGES, Wedge,
+    INERTIA, MASS_CENTRE, MASS_PER_SCALE, STIFFNESS, Unknowns, WEDGES, Wedge, Wedges,
 };
 use super::static_load_sharing::StaticLoadSharing;
 use crate::error::{Error, Result, require_finite, require_not_negative, require_positive};
@@ -131,16 +131,6 @@ pub struct Certificates {
     pub compliance_s2: Option<Known>,
     /// What nobody states.
     pub room: Room,
-}
-
-/// What trials in one direction share.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Wedges {
-    /// Their wedge.
-    #[default]
-    Shared,
-    /// Nothing: each stands in a direction of its own.
-    Apart,
 }
 
 /// Zero drifts from a record at rest, V.

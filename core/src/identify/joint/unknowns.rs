@@ -43,6 +43,16 @@ pub const BESIDE: usize = 2;
 /// Angles of a wedge.
 pub const ANGLES: usize = 2;
 
+/// What trials in one direction share.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Wedges {
+    /// Their wedge.
+    #[default]
+    Shared,
+    /// Nothing: each stands in a direction of its own.
+    Apart,
+}
+
 /// A wedge: the direction it is meant to set, and two directions square to it along which it may be off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wedge {

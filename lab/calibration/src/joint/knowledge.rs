@@ -1,7 +1,8 @@
 //! What the joint fit knows of the instruments, the wedges and k/m before it sees the trials.
 
 use sixaxis_core::identify::joint::room::Room;
-use sixaxis_core::identify::joint::{Certificates, Known, Wedges};
+use sixaxis_core::identify::joint::unknowns::Wedges;
+use sixaxis_core::identify::joint::{Certificates, Known};
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_recordings::session::Session;
 

@@ -4,7 +4,7 @@
 //! wedge's are named; of two trials on a wedge, both, by half the angle between them.
 
 use glam::DVec3;
-use sixaxis_core::identify::joint::Wedges;
+use sixaxis_core::identify::joint::unknowns::Wedges;
 
 use super::Unaccounted;
 use crate::finding::{Cause, Finding, in_a_sentence};
