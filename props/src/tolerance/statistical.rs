@@ -38,6 +38,8 @@ pub const NOT_ISOLATED: Tolerance = required(0.01, "one failure in a hundred");
 /// Share of ambiguous pairs of which the wrong limb is named: odds of a thousand to one, and models that do not fit. As far as it is no
 /// chance of one in a million.
 pub const TWIN_WRONG: Tolerance = required(0.01, "one pair in a hundred");
+/// Share of recordings with hum in which a sound limb is excluded, as far as it is no chance of one in a million.
+pub const HUM_EXCLUDES: Tolerance = required(0.02, "one recording in fifty");
 /// Share of plays in which limbs die with their noise and a sound one is excluded, as far as it is no chance of one in a million.
 pub const SOUND_LIMB_EXCLUDED: Tolerance = required(1e-3, "one play in a thousand");
 /// Drawn against theoretical probability of detection, in standard errors.

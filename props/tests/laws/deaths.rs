@@ -1,7 +1,7 @@
 //! Limbs that die, one, two or three of them, at once or one after another: no sound limb is excluded where the dead ones stand still, hardly
 //! any where they keep their noise, and the dead ones are as far as their channels or the others show it.
 
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use sixaxis_core::LIMBS;
@@ -19,9 +19,10 @@ use sixaxis_props::tolerance;
 const ONSET: u64 = 1000;
 const APART: [u64; 3] = [0, 10, 700];
 const AFTER: u64 = 3000;
-/// Random streams: channels' noise, and limbs' stiffnesses.
+/// Random streams: channels' noise, limbs' stiffnesses, and hum.
 const NOISE: u128 = 81;
 const STIFFNESS: u128 = 82;
+const HUM: u128 = 83;
 
 /// What a dead channel delivers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -167,6 +168,46 @@ fn law_hum_on_all_channels_excludes_nothing() {
         }
         assert!(told, "{k}: hum of several standard deviations unnoticed");
     });
+}
+
+/// Hum of a fifth of a sample's noise to four times that and of 15 to 300 samples' period, which every channel has by another amplitude and
+/// phase, from the first sample on or setting in, is no failure of one limb. A sound one was excluded in 21 of 600 recordings, nearly all of
+/// those with phases all around; one in fifty is allowed as far as these can tell.
+#[test]
+fn stat_uneven_hum_excludes_hardly_ever() {
+    const RECORDINGS: usize = 600;
+    let wronged = (0..RECORDINGS as u64)
+        .into_par_iter()
+        .filter(|k| {
+            let scene = Scene::random(seed() + k, 1.0);
+            let mut stream = scene.stream(FALSE_ALARMS_PER_HOUR);
+            let mut rng = Pcg64::new(u128::from(seed() + k), HUM);
+            let mut uniform = || -> f64 { StandardUniform.sample(&mut rng) };
+            let size = scene.noise_v[0] * 0.2 * 20f64.powf(uniform());
+            let period = 15.0 * 20f64.powf(uniform());
+            let onset = if uniform() < 0.5 { 0 } else { ONSET };
+            let spread = if uniform() < 0.5 {
+                1.0
+            } else {
+                core::f64::consts::TAU
+            };
+            let own: [(f64, f64); LIMBS] =
+                core::array::from_fn(|_| (0.5 + uniform(), spread * (uniform() - 0.5)));
+            (0..ONSET + 3 * AFTER).any(|sample| {
+                let mut u = noisy(&scene, scene.voltage_v(sample), &mut rng);
+                if sample >= onset {
+                    let turns = core::f64::consts::TAU * sample as f64 / period;
+                    u = core::array::from_fn(|i| u[i] + size * own[i].0 * (turns + own[i].1).sin());
+                }
+                !stream.push(&u).expect("a row").excluded.is_empty()
+            })
+        })
+        .count();
+    within(
+        "least share of recordings with hum in which a sound limb is excluded",
+        least_share(wronged, RECORDINGS),
+        tolerance::HUM_EXCLUDES,
+    );
 }
 
 /// Limbs unequally stiff by 0.2 % are healthy to a monitor that expects 0.5 %, and to one that expects none they are not.

@@ -1,7 +1,7 @@
 //! Statistics of a failure and of each channel since the alarm, as running sums.
 
 use super::class::{CLASS_OF, CLASSES};
-use super::misfit::limit;
+use super::misfit::{Misfit, limit};
 use super::noise::{RowNoise, add_outer, apply, dot};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
@@ -43,6 +43,9 @@ pub(super) const FOURTH: f64 = 70.0;
 /// Variance of a mean of n squared fourth differences of white noise, times n: 2 sum of squared correlations,
 /// C(16, 8)/C(8, 4)^2 of them.
 pub(super) const ROUGH_SPREAD: f64 = 2.0 * 12870.0 / 4900.0;
+
+/// Standard deviations of a sum of products of neighbours up to which they are noise.
+const WHITE: f64 = 3.5;
 
 impl History {
     /// For zeros known to so many standard deviations of the channels' noise.
@@ -94,6 +97,14 @@ impl History {
     #[must_use]
     pub fn lagged_along(&self, direction: &[f64; ROWS]) -> f64 {
         dot(direction, &apply(&self.lagged, direction))
+    }
+
+    /// Whether the rows beside a failure along a unit vector are as rough as noise and what calibration's errors add.
+    pub(super) fn is_white_beside(&self, direction: &[f64; ROWS], misfit: &Misfit<'_>) -> bool {
+        let all: f64 = (0..ROWS).map(|i| self.lagged[i][i]).sum();
+        let beside = all - self.lagged_along(direction);
+        let n = self.samples as f64 * (ROWS - 1) as f64;
+        beside < WHITE * sqrt(n) + misfit.allowed_beside(direction)
     }
 
     /// Sum of squares of a channel's departures from its mean.

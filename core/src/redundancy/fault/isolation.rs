@@ -53,6 +53,8 @@ pub(super) struct Isolation {
     origin: Origin,
     /// Likelihood of the classes by the window that raised the alarm.
     before: [f64; CLASSES],
+    /// Whether that window has nothing beside a failure of the class that goes along with it.
+    along_before: [bool; CLASSES],
     window: Window,
     history: History,
     swaps: Swaps,
@@ -94,18 +96,22 @@ impl Isolation {
         zero_sd: [f64; LIMBS],
     ) -> Self {
         let noise = detector.noise();
-        let window = detector.window_of(alarm.test).rows;
-        let before = if window.samples() > 0 {
-            likelihood(noise, &window)
+        let window = detector.window_of(alarm.test);
+        let before = if window.rows.samples() > 0 {
+            likelihood(noise, &window.rows)
         } else {
             let mut one = Moments::default();
             one.push(z);
             likelihood(noise, &one)
         };
+        let misfit = Misfit::new(noise, &window, detector.errors());
+        let along_before =
+            core::array::from_fn(|class| misfit.is_all_along(noise.direction(class)));
         Self {
             alarm,
             origin,
             before,
+            along_before,
             window: Window::default(),
             history: History::new(zero_sd),
             swaps: Swaps::default(),
@@ -225,7 +231,11 @@ impl Isolation {
         let stopped = self.origin.before.stopped(&self.history);
         let dead_compete = dead_compete
             || self.origin.before.long_ago && !stopped.minus(one.limbs).minus(gone).is_empty();
-        if one.explains && one.margin > ACCEPTED && !swap_competes && !dead_compete {
+        let direction = noise.direction(one.class);
+        let is_all = self.along_before[one.class]
+            && misfit.is_all_along(direction)
+            && self.history.is_white_beside(direction, &misfit);
+        if one.explains && is_all && one.margin > ACCEPTED && !swap_competes && !dead_compete {
             self.found = Some(Found {
                 class: one.class,
                 limbs: one.limbs,
@@ -252,6 +262,7 @@ impl Isolation {
             // What began with the alarm may have gone on to other limbs before it settled.
             self.anew = true;
             self.before = [0.0; CLASSES];
+            self.along_before = [true; CLASSES];
             self.window = Window::default();
             self.history = self.history.anew();
             self.swaps = Swaps::default();

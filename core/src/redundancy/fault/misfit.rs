@@ -15,6 +15,8 @@ use crate::redundancy::parity::ROWS;
 const NOISE: f64 = 5.0;
 const SKEWNESS: f64 = 20.0;
 const ERRORS: f64 = 4.0;
+/// Length of two coefficients of noise beyond which one pair in a thousand is.
+const ALONG: f64 = 3.72;
 /// Standard deviations of a sum of squares beyond which there is more.
 pub(super) const MORE: f64 = 8.0;
 
@@ -76,15 +78,32 @@ impl<'a> Misfit<'a> {
 
     /// Whether the rows less a failure along a unit vector, of whatever course, are noise.
     pub fn is_quiet_beside(&self, direction: &[f64; ROWS]) -> bool {
-        let less = |all: Parts<f64>, along: Parts<f64>| Parts {
-            mean: (all.mean - along.mean).max(0.0),
-            slope: (all.slope - along.slope).max(0.0),
-            rest: (all.rest - along.rest).max(0.0),
-        };
         let left = less(self.window.all(), self.window.along(direction));
         let added = less(self.added(), self.added_along(direction));
         let rows = self.noise.relations().saturating_sub(1);
         rows == 0 || self.is_quiet(left, added, rows)
+    }
+
+    /// Whether nothing of the rows beside a failure along a unit vector goes along with its course. A disturbance of many channels, as
+    /// mains hum, has a direction of its own, and leaves noise beside one nearby for as long as it is small.
+    pub fn is_all_along(&self, direction: &[f64; ROWS]) -> bool {
+        let along = self.window.along(direction);
+        let turned = self.window.turned_from(direction);
+        let added = less(self.added(), self.added_along(direction));
+        let stays = |left: f64, added: f64| {
+            let root = ALONG + ERRORS * sqrt(added);
+            left < root * root
+        };
+        self.noise.relations() < 2
+            || stays(turned.mean, added.mean)
+                && stays(turned.slope, added.slope)
+                && (along.rest <= 0.0 || stays(turned.rest / along.rest, added.rest))
+    }
+
+    /// What calibration's errors may add to a sum of squares beside a unit vector.
+    pub fn allowed_beside(&self, direction: &[f64; ROWS]) -> f64 {
+        let added = less(self.added(), self.added_along(direction));
+        ERRORS * ERRORS * (added.mean + added.slope + added.rest)
     }
 
     /// Whether a sum of squares of all rows is noise.
@@ -109,6 +128,14 @@ impl<'a> Misfit<'a> {
             ),
             beyond(along.rest, added.rest),
         ]
+    }
+}
+
+fn less(all: Parts<f64>, along: Parts<f64>) -> Parts<f64> {
+    Parts {
+        mean: (all.mean - along.mean).max(0.0),
+        slope: (all.slope - along.slope).max(0.0),
+        rest: (all.rest - along.rest).max(0.0),
     }
 }
 

@@ -86,6 +86,12 @@ impl Moments {
     /// Sum of squares along a unit vector.
     #[must_use]
     pub fn energy_along(&self, direction: &[f64; ROWS]) -> f64 {
-        dot(direction, &apply(&self.square, direction))
+        dot(direction, &self.products(direction))
+    }
+
+    /// Sums of the products of each row with the component along a unit vector.
+    #[must_use]
+    pub fn products(&self, direction: &[f64; ROWS]) -> [f64; ROWS] {
+        apply(&self.square, direction)
     }
 }

@@ -127,6 +127,24 @@ impl Window {
         }
     }
 
+    /// What of the rows is across a unit vector while the same is along it: squares of mean and slope, and of the sum of products of the rest.
+    pub fn turned_from(&self, direction: &[f64; ROWS]) -> Parts<f64> {
+        let [mean, slope] = self.rows.mean_and_slope();
+        let [along_mean, along_slope] = [dot(&mean, direction), dot(&slope, direction)];
+        let products = self.rows.products(direction);
+        let rest: [f64; ROWS] =
+            core::array::from_fn(|i| products[i] - along_mean * mean[i] - along_slope * slope[i]);
+        let across = |v: &[f64; ROWS]| {
+            let along = dot(v, direction);
+            (dot(v, v) - along * along).max(0.0)
+        };
+        Parts {
+            mean: across(&mean),
+            slope: across(&slope),
+            rest: across(&rest),
+        }
+    }
+
     /// Sums of squares in all rows.
     pub fn all(&self) -> Parts<f64> {
         let [mean, slope] = self.rows.mean_and_slope();
