@@ -1,6 +1,6 @@
 //! What steps 2 and 3 neglect, kept: the motion of the mass in the shell.
 //!
-//! The paper's steps take the limbs as rigid, (12) and (15), which costs 1.5e-6 of s/m at 2 Hz. Once k/m is known
+//! The paper's steps take the limbs as rigid, (12) and (15), which costs up to 2e-6 of s/m at 1 to 2 Hz. Once k/m is known
 //! roughly, each sample's relative motion follows from its own forces, and the *full* equations (3) and (8) are as
 //! linear in the unknowns as the short ones. Repeating steps 2 to 4 with them removes the neglect.
 

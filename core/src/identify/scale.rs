@@ -1,7 +1,8 @@
 //! Step 2: the nine scale/mass ratios from pure linear motion: eqs. (12), (13), (14).
 //!
 //! Below the linear threshold frequency the mass moves with the shell, so a = sum (s_i/m) f~_i e_i, three equations a
-//! sample. Neglecting the relative motion costs about 1.5e-6 of s_i/m at 2 Hz; that is the method's, not ours.
+//! sample. Neglecting the relative motion costs at most 0.8e-6 of s_i/m at 2 Hz, and with the tilt of limbs
+//! that carry gravity up to 2e-6 from 1 to 2 Hz; that is the method's, not ours.
 
 use glam::DVec3;
 

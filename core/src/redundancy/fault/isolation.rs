@@ -11,10 +11,9 @@ use super::class::{CLASSES, members};
 use super::detector::{Alarm, Detector};
 use super::history::History;
 use super::kind::judge;
-use super::likelihood::likelihood;
+use super::likelihood::{likelihood, likelihood_along};
 use super::misfit::Misfit;
-use super::moments::Moments;
-use super::noise::{RowNoise, dot};
+use super::noise::{RowNoise, dot, unit};
 use super::silent::{Before, may_hide, sets};
 use super::step::Ring;
 use super::swap::Swaps;
@@ -26,6 +25,10 @@ use crate::redundancy::parity::ROWS;
 
 /// ln of the odds from which a hypothesis is accepted: ten thousand to one.
 pub const ACCEPTED: f64 = 9.2;
+/// Times its threshold beyond which no statistic of a sound sensor comes.
+const FAR_BEYOND: f64 = 2.0;
+/// Cosine from which two directions are one.
+const ALIKE: f64 = 1.0 - 1e-9;
 /// Samples from one look at the hypotheses to the next. Channels that stand still have shown it by the first.
 const LOOK: u64 = 32;
 /// Samples after the alarm at which the statistics begin anew if nothing is decided by then.
@@ -55,11 +58,16 @@ pub(super) struct Isolation {
     before: [f64; CLASSES],
     /// Whether that window has nothing beside a failure of the class that goes along with it.
     along_before: [bool; CLASSES],
+    /// Where the same voltage on all channels shows, as hum does or a zero that moves with the temperature, and its likelihood by that window.
+    common: Option<[f64; ROWS]>,
+    common_before: f64,
     window: Window,
     history: History,
     swaps: Swaps,
     steps: [f64; LIMBS],
     anew: bool,
+    /// Whether there was more than a false alarm.
+    real: bool,
     found: Option<Found>,
 }
 
@@ -87,23 +95,24 @@ impl Isolation {
         origin
     }
 
-    /// Begins with the window that raised the alarm, or with its sample; `zero_sd` are errors of the zeros in the channels' noise.
+    /// Begins with the window that raised the alarm, or with its sample; `zero_sd` are errors of the zeros in the channels' noise, `common`
+    /// what the same voltage on all channels makes of the whitened rows.
     pub fn new(
         alarm: Alarm,
         origin: Origin,
         detector: &Detector,
         z: &[f64; ROWS],
         zero_sd: [f64; LIMBS],
+        common: &[f64; ROWS],
     ) -> Self {
         let noise = detector.noise();
-        let window = detector.window_of(alarm.test);
-        let before = if window.rows.samples() > 0 {
-            likelihood(noise, &window.rows)
-        } else {
-            let mut one = Moments::default();
-            one.push(z);
-            likelihood(noise, &one)
-        };
+        let mut window = detector.window_of(alarm.test);
+        if window.rows.samples() == 0 {
+            window.rows.push(z);
+        }
+        let before = likelihood(noise, &window.rows);
+        let common = unit(common);
+        let common_before = common.map_or(0.0, |d| likelihood_along(&d, &window.rows));
         let misfit = Misfit::new(noise, &window, detector.errors());
         let along_before =
             core::array::from_fn(|class| misfit.is_all_along(noise.direction(class)));
@@ -112,11 +121,14 @@ impl Isolation {
             origin,
             before,
             along_before,
+            common,
+            common_before,
             window: Window::default(),
             history: History::new(zero_sd),
             swaps: Swaps::default(),
             steps: [0.0; LIMBS],
             anew: false,
+            real: alarm.statistic > FAR_BEYOND * alarm.threshold,
             found: None,
         }
     }
@@ -235,13 +247,19 @@ impl Isolation {
         let is_all = self.along_before[one.class]
             && misfit.is_all_along(direction)
             && self.history.is_white_beside(direction, &misfit);
-        if one.explains && is_all && one.margin > ACCEPTED && !swap_competes && !dead_compete {
+        // Where one relation is left, all show alike.
+        let common = self.common.filter(|d| dot(d, direction).abs() < ALIKE);
+        let common = common.map_or(f64::NEG_INFINITY, |d| {
+            self.common_before + likelihood_along(&d, &self.window.rows)
+        });
+        let margin = one.margin.min(one.score - common);
+        if one.explains && is_all && margin > ACCEPTED && !swap_competes && !dead_compete {
             self.found = Some(Found {
                 class: one.class,
                 limbs: one.limbs,
-                ln_odds: one.margin,
+                ln_odds: margin,
             });
-            let verdict = self.verdict(sample, one.limbs, Kind::Unknown, one.margin);
+            let verdict = self.verdict(sample, one.limbs, Kind::Unknown, margin);
             return Some(Event::Isolated(verdict));
         }
         let believed = dead.believed.filter(|_| dead.count == 1);
@@ -261,20 +279,23 @@ impl Isolation {
         if n == ANEW && !self.anew {
             // What began with the alarm may have gone on to other limbs before it settled.
             self.anew = true;
+            self.real |= !misfit.is_quiet_everywhere();
             self.before = [0.0; CLASSES];
             self.along_before = [true; CLASSES];
+            self.common_before = 0.0;
             self.window = Window::default();
             self.history = self.history.anew();
             self.swaps = Swaps::default();
             return None;
         }
-        self.is_last_look().then(|| {
-            if misfit.is_quiet_everywhere() {
-                Event::Dismissed
-            } else {
-                Event::Identified(self.verdict(sample, LimbSet::EMPTY, Kind::Unknown, 0.0))
-            }
-        })
+        let untold = |kind| Event::Identified(self.verdict(sample, LimbSet::EMPTY, kind, 0.0));
+        self.is_last_look()
+            .then(|| match (misfit.is_quiet_everywhere(), self.real) {
+                (false, _) => untold(Kind::Unknown),
+                // What it has done to rate and attitude stays.
+                (true, true) => untold(Kind::Passed),
+                (true, false) => Event::Dismissed,
+            })
     }
 
     fn decided(&self, sample: u64, limbs: LimbSet, kind: Kind, ln_odds: f64) -> Event {
@@ -347,7 +368,7 @@ impl OneLimb {
         for (other, &value) in scores.iter().enumerate().filter(|(c, _)| shows(c)) {
             let direction = noise.direction(other);
             // Without limbs that have failed before, two classes may show alike.
-            let alike = dot(direction, best).abs() > 1.0 - 1e-9;
+            let alike = dot(direction, best).abs() > ALIKE;
             let quiet = misfit.is_quiet_beside(direction);
             if quiet {
                 limbs = limbs.union(members(other));

@@ -15,23 +15,26 @@ use super::class::CLASSES;
 use super::moments::Moments;
 use super::noise::{RowNoise, dot};
 use crate::float::ln;
+use crate::redundancy::parity::ROWS;
 
 /// ln of the likelihood ratio of each class against no failure, over one stretch.
 #[must_use]
 pub fn likelihood(noise: &RowNoise, rows: &Moments) -> [f64; CLASSES] {
+    core::array::from_fn(|class| likelihood_along(noise.direction(class), rows))
+}
+
+/// The same of whatever shows along a unit vector.
+pub(super) fn likelihood_along(direction: &[f64; ROWS], rows: &Moments) -> f64 {
     let n = rows.samples() as f64;
     if n == 0.0 {
-        return [0.0; CLASSES];
+        return 0.0;
     }
     let [mean, slope] = rows.mean_and_slope();
-    core::array::from_fn(|class| {
-        let direction = noise.direction(class);
-        let constant = dot(direction, &mean);
-        let ramp = dot(direction, &slope);
-        let (constant, ramp) = (constant * constant, ramp * ramp);
-        let rest = rows.energy_along(direction) - constant - ramp;
-        gain(constant, 1.0) + gain(ramp, (n - 1.0).min(1.0)) + gain(rest, (n - 2.0).max(0.0))
-    })
+    let constant = dot(direction, &mean);
+    let ramp = dot(direction, &slope);
+    let (constant, ramp) = (constant * constant, ramp * ramp);
+    let rest = rows.energy_along(direction) - constant - ramp;
+    gain(constant, 1.0) + gain(ramp, (n - 1.0).min(1.0)) + gain(rest, (n - 2.0).max(0.0))
 }
 
 /// The maximum over the variance, at least that of noise, of the likelihood of n coefficients of energy `p`.

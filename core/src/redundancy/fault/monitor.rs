@@ -306,7 +306,16 @@ impl Monitor {
         } else {
             self.left.as_ref()?
         };
-        self.state = State::Isolating(Isolation::new(alarm, origin, detector, z, self.zero_sd));
+        let common = self.strains.of_a_common_voltage(gone);
+        let common = detector.noise().whiten(&common);
+        self.state = State::Isolating(Isolation::new(
+            alarm,
+            origin,
+            detector,
+            z,
+            self.zero_sd,
+            &common,
+        ));
         self.untold.is_none().then_some(Event::Alarm(alarm))
     }
 

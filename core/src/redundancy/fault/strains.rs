@@ -3,6 +3,8 @@
 use crate::geometry::LIMBS;
 use crate::kernel::constants::Constants;
 use crate::kernel::order::from_kernel_order;
+use crate::limb_set::LimbSet;
+use crate::redundancy::parity::{ROWS, SIGNATURES};
 
 /// What a voltage is in strain, limb by limb.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +42,17 @@ impl Strains {
     #[inline]
     pub fn of(&self, voltage_v: &[f64; LIMBS]) -> [f64; LIMBS] {
         core::array::from_fn(|limb| self.of_limb(limb, voltage_v[limb]))
+    }
+
+    /// Parity rows of the same voltage on all channels but these limbs', by that voltage.
+    pub fn of_a_common_voltage(&self, gone: LimbSet) -> [f64; ROWS] {
+        let mut rows = [0.0; ROWS];
+        for limb in (0..LIMBS).filter(|&limb| !gone.contains(limb)) {
+            for (row, &sign) in rows.iter_mut().zip(&SIGNATURES[limb]) {
+                *row += f64::from(sign) * self.per_v[limb];
+            }
+        }
+        rows
     }
 
     #[inline]

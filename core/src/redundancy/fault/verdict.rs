@@ -102,9 +102,13 @@ impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.limbs.len() {
             0 => {
+                let passed = match self.kind {
+                    Kind::Passed => " for a moment",
+                    _ => "",
+                };
                 return write!(
                     f,
-                    "it cannot be told which limbs have failed{}",
+                    "it cannot be told which limbs have failed{passed}{}",
                     Since(self.since)
                 );
             }

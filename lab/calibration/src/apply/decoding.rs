@@ -4,7 +4,7 @@ mod ways;
 
 use glam::DVec3;
 use sixaxis_core::decouple::uncertainty::SampleUncertainty;
-use sixaxis_core::{Decoupler, Error, LIMBS, Settings};
+use sixaxis_core::{Decoupler, Error, LIMBS, LimbSet, Settings};
 use sixaxis_recordings::Block;
 
 use super::Row;
@@ -36,6 +36,8 @@ pub struct Decoding {
     pub(super) uncertainty: Option<Box<SampleUncertainty>>,
     said: Vec<String>,
     finished: bool,
+    /// Limbs whose channels are not read.
+    excluded: LimbSet,
     /// Voltages of the last sample.
     before: Row,
     /// Decodes in the decoupler's place where failures are to be seen, and says which limbs go into [`FLAGS`], excluded or suspected.
@@ -68,6 +70,7 @@ impl Decoding {
     #[must_use]
     pub fn new(decoupler: Decoupler, columns: Columns, picture: bool) -> Self {
         Self {
+            excluded: decoupler.excluded(),
             decoupler,
             columns,
             gravity_ground_m_s2: DVec3::ZERO,
@@ -105,8 +108,15 @@ impl Decoding {
         let mut all = watching.map_or_else(Vec::new, |w| std::mem::take(&mut w.messages));
         all.append(&mut self.said);
         // How it begins is told by how it goes on.
-        let ends = self.ends.as_mut().filter(|_| self.finished);
-        all.extend(ends.and_then(Ends::begins_in_motion));
+        if self.finished
+            && let Some(ends) = self.ends.take()
+        {
+            let found = self.watched.as_ref().map(|w| w.found.excluded.ever());
+            let excluded = found.or(self.watching.as_ref().map(FaultWatch::excluded));
+            let excluded = excluded.unwrap_or(LimbSet::EMPTY).union(self.excluded);
+            let moves = ends.begins_in_motion();
+            all.extend(moves.or_else(|| ends.begins_off_zero(excluded)));
+        }
         all.extend(self.attitude.iter_mut().flat_map(AttitudeStream::messages));
         all
     }

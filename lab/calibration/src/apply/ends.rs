@@ -1,8 +1,9 @@
 //! Whether a recording begins in motion, and a run from rest to rest ends in it: voltages that change from one end on.
 //!
-//! At the first sample the rate is taken for zero. A sensor that turns there already is decoupled with an error that nothing shows later.
+//! At the first sample the rate is taken for zero. A sensor that turns there already is decoupled with an error that nothing shows later. So is
+//! one whose channels do not begin at their zeros: those have moved since, or the recording is a part of a longer one.
 
-use sixaxis_core::LIMBS;
+use sixaxis_core::{LIMBS, LimbSet};
 
 use super::Row;
 use super::setup::Setup;
@@ -18,6 +19,10 @@ const DEVIATIONS: f64 = 10.0;
 const OF_RANGE: f64 = 1e-3;
 /// The same in the channel's largest change later in the recording.
 const OF_THE_RUN: f64 = 0.35;
+/// Standard deviations of a calibrated zero and of the mean of the first samples, and over the converter's range, by which a channel begins
+/// off its zero.
+const OFF_ZERO: f64 = 6.0;
+const OFF_ZERO_OF_RANGE: f64 = 2e-5;
 /// Of so many places one is looked at.
 const EVERY: usize = 4;
 
@@ -28,6 +33,9 @@ pub struct Ends {
     kept: usize,
     kept_s: f64,
     least_v: Row,
+    zero_v: Row,
+    zero_sd_v: Row,
+    full_scale_v: f64,
     first: Vec<Row>,
     last: Vec<Row>,
     /// The largest change anywhere else, of the places that are looked at.
@@ -35,7 +43,6 @@ pub struct Ends {
     /// Samples since the beginning of the present place, and sums over its two halves, V.
     phase: usize,
     sums_v: [Row; 2],
-    said: bool,
 }
 
 impl Ends {
@@ -44,6 +51,7 @@ impl Ends {
     pub fn new(setup: &Setup, calibration: &Calibration, sample_rate_hz: f64) -> Self {
         let kept = 2 * FEWEST.max((PERIOD_S * sample_rate_hz).round() as usize);
         let noise_v = calibration.covariance.propagated.as_ref();
+        let covariance = noise_v.and_then(|known| known.total());
         Self {
             kept,
             kept_s: kept as f64 / sample_rate_hz,
@@ -51,12 +59,17 @@ impl Ends {
                 let noise_v = noise_v.map_or(0.0, |known| known.channel_noise_v[limb]);
                 (DEVIATIONS * noise_v).max(OF_RANGE * setup.full_scale_v)
             }),
+            zero_v: setup.parameters.zero_drift_v,
+            zero_sd_v: core::array::from_fn(|limb| {
+                let variance = covariance.as_ref().map_or(0.0, |known| known[(limb, limb)]);
+                variance.max(0.0).sqrt()
+            }),
+            full_scale_v: setup.full_scale_v,
             first: Vec::new(),
             last: Vec::new(),
             most_v: [0.0; LIMBS],
             phase: 0,
             sums_v: Default::default(),
-            said: false,
         }
     }
 
@@ -130,12 +143,12 @@ impl Ends {
             .max_by(|a, b| over(a).total_cmp(&over(b)))
     }
 
-    /// Said once, that the recording begins in motion.
-    pub fn begins_in_motion(&mut self) -> Option<String> {
-        if self.said || self.first.len() < self.kept {
+    /// That the recording begins in motion.
+    #[must_use]
+    pub fn begins_in_motion(&self) -> Option<String> {
+        if self.first.len() < self.kept {
             return None;
         }
-        self.said = true;
         let (limb, change_v) = self.changing(&self.first)?;
         // A motion that begins gently changes by little at first.
         if change_v.abs() < OF_THE_RUN * self.most_v[limb] {
@@ -147,6 +160,42 @@ impl Ends {
             limb + 1,
             change_v.abs(),
             1e3 * self.kept_s
+        ))
+    }
+
+    /// That channels of limbs that are not `excluded` begin off their zeros, in a recording that does not begin in motion.
+    #[must_use]
+    pub fn begins_off_zero(&self, excluded: LimbSet) -> Option<String> {
+        let whole = self.first.len() == self.kept;
+        if !whole || self.changing(&self.first).is_some() {
+            return None;
+        }
+        let (first, second) = self.first.split_at(self.kept / 2);
+        let samples = first.len() as f64;
+        let off = |limb: usize| {
+            let mean_v = |rows: &[Row]| rows.iter().map(|row| row[limb]).sum::<f64>() / samples;
+            let at_first_v = mean_v(first);
+            let squares = first.iter().map(|row| (row[limb] - at_first_v).powi(2));
+            let mean_sd_v = squares.sum::<f64>().sqrt() / samples;
+            let least_v = OFF_ZERO * self.zero_sd_v[limb].hypot(mean_sd_v);
+            let off_v = at_first_v - self.zero_v[limb];
+            // A motion that begins at rest moves a channel further from one period to the next than it has by then.
+            let is_off = off_v.abs() > least_v.max(OFF_ZERO_OF_RANGE * self.full_scale_v)
+                && off_v.abs() > 2.0 * (mean_v(second) - at_first_v).abs();
+            is_off.then_some((limb, off_v))
+        };
+        let off: Vec<(usize, f64)> = (0..LIMBS)
+            .filter(|limb| !excluded.contains(*limb))
+            .filter_map(off)
+            .collect();
+        let (limb, most_v) = (off.iter()).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+        Some(format!(
+            "{} of its channels do not begin at their calibrated zeros, limb {} stands {:+.2} mV off its: at the first sample the sensor is taken to be at rest, as \
+             when the channels were zeroed. If zeros have moved since the calibration, or this is a part of a longer recording, rates, attitude and all in ground \
+             axes drift by more than any stated deviation",
+            off.len(),
+            limb + 1,
+            1e3 * most_v
         ))
     }
 

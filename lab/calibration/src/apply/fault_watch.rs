@@ -214,7 +214,7 @@ impl FaultWatch {
                 "limbs"
             };
             say(format!(
-                "{limbs} {} may have failed and cannot be excluded; answers are not to be trusted",
+                "{limbs} {} may have failed and cannot be excluded; answers are not to be trusted, nor are rate and attitude from there on, which no deviation says",
                 watched.suspected
             ));
         }

@@ -183,7 +183,8 @@ impl Job<'_> {
                 .map_err(|error| match &mut decoding.coordination {
                     Some(coordination) => with_verdict(error, coordination),
                     None => error,
-                })?;
+                })
+                .map_err(|error| after(error, &of_monitor))?;
             let failed = |watch: &mut FaultWatch| !watch.found.excluded.is_empty();
             if let Some(watch) = decoding.watching.take_if(failed) {
                 // Rows between a failure and its alarm have the failed limb in them: they are not kept.
@@ -241,6 +242,15 @@ impl Job<'_> {
             curves: decoding.picture,
         })
     }
+}
+
+/// What the fault monitor has said of a recording that cannot be decoded may be why.
+fn after(error: anyhow::Error, of_monitor: &[String]) -> anyhow::Error {
+    if of_monitor.is_empty() || error.is::<sixaxis_recordings::Error>() {
+        return error;
+    }
+    let said = of_monitor.join("; ");
+    anyhow::anyhow!("{error:#}; before that --watch said: {said}")
 }
 
 /// A recording that cannot be decoded may be one whose limb forces do not add up: then that is the cause.

@@ -19,7 +19,8 @@ use super::voltages::Voltages;
 const PLAUSIBLE_HZ: core::ops::RangeInclusive<f64> = 20.0..=5e6;
 /// Voltages over the converter's range from which it is at its end: with twelve bits and more the last step below it is none.
 pub(super) const AT_LIMIT: f64 = 1.0 - 1.0 / 2048.0;
-/// Channels of a sample that stand at the end of the range together and are failed ones for the fault monitor; more of them leave it nothing.
+/// Channels that stand at the end of the range and are failed ones for the fault monitor. Where more of them do, at once or one after another,
+/// the sensor was driven too hard: that is no failure, and the monitor could not do without them.
 const BLINDED: usize = 2;
 /// Voltages over the converter's range that did not come from it as volts.
 pub(super) const BEYOND: f64 = 1.2;
@@ -161,7 +162,8 @@ impl Recording {
             }
             self.columns.take(place, column);
         }
-        if self.watched && self.seen.clipped.iter().any(|clipped| *clipped > 0) {
+        let at_limit = self.seen.clipped.iter().filter(|clipped| **clipped > 0);
+        if self.watched && (1..=BLINDED).contains(&at_limit.count()) {
             blind(&mut batch.voltage_v.columns, AT_LIMIT * self.full_scale_v);
         }
         batch.times_s.clear();

@@ -1,7 +1,7 @@
 //! Allan deviation of a channel at rest, and what it tells: noise density, bias instability, random walk.
 //!
 //! The variance at an averaging time of m samples is half the mean square of the difference of two neighbouring means over m samples,
-//! taken at every quarter of m: four times as many differences as means that do not overlap, in a memory that does not grow with
+//! taken at every quarter of m, or at every sample where that is less than one: from m = 4 on four times as many differences as means that do not overlap, in a memory that does not grow with
 //! the record, without its length being known beforehand, and without a sum of all samples, whose rounding a large mean turns into
 //! noise. The coefficients are fitted to differences of means that do not overlap, which for white noise are independent from one
 //! averaging time to the next: only then do their errors add up. (The crate `allan` 0.4 keeps twice the longest averaging time and such a sum.) Averaging times are 1, 2, 4 ... samples.

@@ -55,14 +55,14 @@ impl Found {
                 let holds = near(self.crossing_hz.angular, self.printed_hz.1);
                 (holds, Compatible, NotReproducible)
             }
-            // Along the one direction, which the text does not state.
+            // Along the one direction, which the text does not state; the angular one at the true amplitude, which Fig. 7 is not read at.
             "linear-at-2-hz" => {
                 let holds = self.linear_m_s2[0] < paper::LINEAR_THRESHOLD_M_S2;
                 (holds, Compatible, NotReproducible)
             }
             "angular-at-2-hz" => {
                 let holds = self.angular_rad_s2[0] < paper::ANGULAR_THRESHOLD_RAD_S2;
-                (holds, Reproduced, NotReproducible)
+                (holds, Compatible, NotReproducible)
             }
             "linear-at-4-hz" => {
                 let holds = self.linear_m_s2[1] > paper::LINEAR_THRESHOLD_M_S2;
