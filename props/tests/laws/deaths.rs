@@ -210,6 +210,35 @@ fn stat_uneven_hum_excludes_hardly_ever() {
     );
 }
 
+/// What has failed for a hundredth of a second, three limbs at once, is told although it is over before it can be told which.
+#[test]
+fn law_a_failure_that_has_passed_is_told() {
+    (0..20).into_par_iter().for_each(|k| {
+        let scene = Scene::random(seed() + k, 1.0);
+        let mut stream = scene.stream(FALSE_ALARMS_PER_HOUR);
+        let mut rng = Pcg64::new(u128::from(seed() + k), NOISE);
+        let mut told = false;
+        for sample in 0..ONSET + AFTER {
+            let mut u = noisy(&scene, scene.voltage_v(sample), &mut rng);
+            if (ONSET..ONSET + 100).contains(&sample) {
+                for (limb, off_v) in [(0, 0.5), (4, 0.4), (8, -0.3)] {
+                    u[limb] += off_v;
+                }
+            }
+            let said = stream.push(&u).expect("a row");
+            assert!(said.excluded.is_empty(), "{k}: {:?}", said.event);
+            if let Some(Event::Identified(verdict)) = said.event {
+                assert_eq!(
+                    (verdict.limbs, verdict.kind),
+                    (LimbSet::EMPTY, Kind::Passed)
+                );
+                told = true;
+            }
+        }
+        assert!(told, "{k}");
+    });
+}
+
 /// Limbs unequally stiff by 0.2 % are healthy to a monitor that expects 0.5 %, and to one that expects none they are not.
 #[test]
 fn stat_unequal_stiffness_is_no_alarm_where_it_is_expected() {

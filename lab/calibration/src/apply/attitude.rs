@@ -43,6 +43,8 @@ pub struct AttitudeStream {
     until_rad: f64,
     /// What a single sample's own noise gives its accelerations, where their deviations are asked for.
     noise: Option<SampleNoise>,
+    /// Samples since the deviations were advanced.
+    unseen: u32,
     /// Of accelerations and attitude of the last sample.
     deviations: [f64; 7],
     /// Whether it could have been aided.
@@ -122,6 +124,7 @@ impl AttitudeStream {
     fn of(how: How, settings: &Settings, until_deg: f64) -> Self {
         let down = settings.gravity_ground_m_s2.normalize_or_zero();
         let mut new = Self {
+            unseen: 0,
             deviations: [0.0; 7],
             aidable: true,
             columns: Columns::default(),
@@ -175,12 +178,20 @@ impl AttitudeStream {
                 *deviation = by_errors.hypot(by_noise);
             }
         }
-        self.deviations[6] = self.how.deviations().attitude_rad();
+        let known = self.how.deviations();
+        self.deviations[6] = known.attitude_rad();
         let looks = match &mut self.how {
-            How::Aided(aided) => aided.see(&sample, time_s, 1.0 / self.rate_hz, &mut self.summary),
+            How::Aided(aided) => {
+                // The filter goes from block to block, the rate's error turns the attitude from sample to sample.
+                self.unseen += 1;
+                let since_s = f64::from(self.unseen) / self.rate_hz;
+                self.deviations[6] += known.rate_shell_rad_s.length() * since_s;
+                aided.see(&sample, time_s, 1.0 / self.rate_hz, &mut self.summary)
+            }
             _ => true,
         };
         if looks {
+            self.unseen = 0;
             self.look(time_s);
         }
         Ok(Some(sample))

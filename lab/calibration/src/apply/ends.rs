@@ -35,6 +35,7 @@ pub struct Ends {
     least_v: Row,
     zero_v: Row,
     zero_sd_v: Row,
+    noise_v: Row,
     full_scale_v: f64,
     first: Vec<Row>,
     last: Vec<Row>,
@@ -64,6 +65,7 @@ impl Ends {
                 let variance = covariance.as_ref().map_or(0.0, |known| known[(limb, limb)]);
                 variance.max(0.0).sqrt()
             }),
+            noise_v: noise_v.map_or([0.0; LIMBS], |known| known.channel_noise_v),
             full_scale_v: setup.full_scale_v,
             first: Vec::new(),
             last: Vec::new(),
@@ -176,7 +178,9 @@ impl Ends {
             let mean_v = |rows: &[Row]| rows.iter().map(|row| row[limb]).sum::<f64>() / samples;
             let at_first_v = mean_v(first);
             let squares = first.iter().map(|row| (row[limb] - at_first_v).powi(2));
-            let mean_sd_v = squares.sum::<f64>().sqrt() / samples;
+            // A low-pass takes noise off the samples, and not off their mean.
+            let noise_v = (squares.sum::<f64>() / samples).sqrt();
+            let mean_sd_v = noise_v.max(self.noise_v[limb]) / samples.sqrt();
             let least_v = OFF_ZERO * self.zero_sd_v[limb].hypot(mean_sd_v);
             let off_v = at_first_v - self.zero_v[limb];
             // A motion that begins at rest moves a channel further from one period to the next than it has by then.

@@ -15,6 +15,8 @@ use crate::layout::Layout;
 const GAP_STEPS: f64 = 1.5;
 /// Usual step, s, below which stamps are no seconds: no converter of nine channels takes ten million samples a second.
 pub const CLOSEST_S: f64 = 1e-7;
+/// Of so many steps none is a gap where the stamps are a clock's: more of them are rounding.
+const OFTEN: u64 = 20;
 /// Gaps of which the place is kept.
 pub const GAPS_KEPT: usize = 20;
 /// Steps of which the median is the usual one.
@@ -201,10 +203,19 @@ impl Clock {
             .map(|sample| fault(sample, "the time stamp does not come after the one before; if stamps are rounded too far, delete their column and state the sample rate, which does not overrule them"));
         let gap = self.stamps.first_gaps.first().map(|gap| StampFault {
             sample: gap.sample,
-            cause: format!(
-                "a gap of {:.6} s after time {} s, in which samples are missing ({}, to the nearest); make the parts before and after it recordings of their own",
-                gap.length_s, gap.time_s, gap.missing
-            ),
+            cause: if OFTEN * self.stamps.gaps > self.steps && self.steps > OFTEN {
+                format!(
+                    "a step of {:.6} s after time {} s and as long ones in more than one place of {OFTEN}, others of {:.6} s: stamps that are rounded too far? Then delete their column and state the sample rate, which does not overrule them",
+                    gap.length_s,
+                    gap.time_s,
+                    self.usual_s.unwrap_or_default()
+                )
+            } else {
+                format!(
+                    "a gap of {:.6} s after time {} s, in which samples are missing ({}, to the nearest); make the parts before and after it recordings of their own",
+                    gap.length_s, gap.time_s, gap.missing
+                )
+            },
         });
         let too_close = self.usual_s.filter(|step| *step > 0.0 && *step < CLOSEST_S);
         let too_close = too_close.map(|step| StampFault {
@@ -382,6 +393,15 @@ mod tests {
             let found = fault(&stamps_s).expect("a broken stamp");
             assert_eq!(found.sample, 11, "{broken}");
         }
+    }
+
+    #[test]
+    fn stamps_rounded_too_far_are_no_missing_samples() {
+        let rounded: Vec<f64> = (0..600)
+            .map(|k| (f64::from(k) / 0.75).round() * 1e-3)
+            .collect();
+        let refused = fault(&rounded).expect("no even clock");
+        assert!(refused.cause.contains("rounded"), "{}", refused.cause);
     }
 
     #[test]

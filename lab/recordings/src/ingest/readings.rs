@@ -7,7 +7,7 @@ use sixaxis_core::dsp::resample::CubicSpline;
 
 use super::averaged::Averaged;
 use super::clock::stated_rate_hz;
-use super::columns::{BLOCK, Columns};
+use super::columns::{BLOCK, Columns, stamps};
 use super::find::{self, Column};
 use crate::began::Began;
 use crate::error::{Error, Result};
@@ -318,9 +318,15 @@ impl Reader<'_> {
         let layout = source.layout();
         let limbs = find::limbs(&path, layout, self.channels())?;
         let cut = layout.cut.clone();
-        let rate = stated_rate_hz(layout, &limbs, self.entry.sample_rate_hz)
-            .map_err(|cause| self.refuse("sample_rate_hz", cause))?
-            .unwrap_or(1.0);
+        let stated_hz = stated_rate_hz(layout, &limbs, self.entry.sample_rate_hz)
+            .map_err(|cause| self.refuse("sample_rate_hz", cause))?;
+        let rate = stated_hz.or_else(|| {
+            // Only the place of what is odd needs it: a record at rest may have gaps.
+            let name = self.channels().time.as_deref();
+            let time = find::time(&path, layout, name).ok().flatten()?;
+            stamps(&path, &time, None).ok().flatten()?.mean_rate_hz
+        });
+        let rate = rate.unwrap_or(1.0);
         let mut averaged: [Averaged; LIMBS] = Default::default();
         let mut columns = Columns::new(&path, source, limbs.to_vec(), None, None)?;
         while columns.read(BLOCK)? > 0 {

@@ -6,6 +6,19 @@ use crate::mistakes::rewritten;
 use crate::program::{code, done, run, stderr};
 use crate::self_calibrate::day;
 
+/// A row of text with more in one of its cells.
+fn with(row: &str, place: usize, more: f64) -> String {
+    let cells = row.split(',').enumerate().map(|(at, cell)| {
+        let value: f64 = cell.parse().expect("a number");
+        if at == place {
+            (value + more).to_string()
+        } else {
+            cell.to_owned()
+        }
+    });
+    cells.collect::<Vec<_>>().join(",")
+}
+
 /// Samples per second of the day's trials.
 const RATE_HZ: f64 = 2000.0;
 
@@ -55,6 +68,15 @@ fn neg_a_run_that_begins_or_ends_in_motion_is_told() {
     );
     let whole = said("whole.csv", rows, &["--rest-to-rest"]);
     assert!(!whole.contains("in motion"), "{whole}");
+    // A zero that has moved by a two-thousandth of the range is told, and calibrated ones are no word.
+    let moved: Vec<String> = rows.iter().map(|row| with(row, 3, 0.005)).collect();
+    let moved: Vec<&str> = moved.iter().map(String::as_str).collect();
+    let off = said("moved.csv", &moved, &[]);
+    assert!(
+        off.contains("1 of its channels do not begin at their calibrated zeros, limb 4 stands +5."),
+        "{off}"
+    );
+    assert!(!said("still.csv", rows, &[]).contains("zeros"));
     // Hum is no motion.
     let humming: Vec<String> = (rows.iter().enumerate())
         .map(|(at, row)| {

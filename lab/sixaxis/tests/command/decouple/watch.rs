@@ -286,4 +286,12 @@ fn neg_samples_at_the_converter_s_end_are_no_other_limb_s() {
         .lines()
         .filter(|line| line.contains(": no readable") || line.contains("limb "));
     assert_eq!(named.count(), 1, "{said}");
+    // More channels than can be done without, one after another: the sensor was driven too hard.
+    for (place, limb) in [0, 4, 5, 8].into_iter().enumerate() {
+        let from = at + 20 * (place + 1);
+        volts[limb][from..from + 10].fill(9.9997);
+    }
+    write(&clipped, &LIMBS, "V", &volts, rate_hz);
+    let said = stderr(&done(&[&arguments[..], &["--watch"]].concat()));
+    assert!(said.contains("at the converter's limit"), "{said}");
 }

@@ -160,7 +160,7 @@ fn the_speeds_in_the_readme_are_the_published_ones() {
              stream at a time; `push_record`, which sees a record, {record} times and each of eight lanes {lanes} times"
         ),
         format!(
-            "`push` takes {} instructions a sample in f64 (Cortex-M7) and {} in f32 (Cortex-M4F)",
+            "`push` took {} instructions a sample in f64 (Cortex-M7) and {} in f32 (Cortex-M4F)",
             cells[2], cells[4]
         ),
     ] {
