@@ -23,6 +23,10 @@ const OF_THE_RUN: f64 = 0.35;
 /// off its zero.
 const OFF_ZERO: f64 = 6.0;
 const OFF_ZERO_OF_RANGE: f64 = 2e-5;
+/// Time for which a channel that stands still at the beginning is averaged, at most, s, and standard deviations of a period's mean by which it
+/// stands.
+const BEGINNING_S: f64 = 0.25;
+const STANDS: f64 = 4.0;
 /// Of so many places one is looked at.
 const EVERY: usize = 4;
 
@@ -37,6 +41,8 @@ pub struct Ends {
     zero_sd_v: Row,
     noise_v: Row,
     full_scale_v: f64,
+    /// Samples of the beginning that are remembered, longer than those two periods.
+    remembered: usize,
     first: Vec<Row>,
     last: Vec<Row>,
     /// The largest change anywhere else, of the places that are looked at.
@@ -67,6 +73,7 @@ impl Ends {
             }),
             noise_v: noise_v.map_or([0.0; LIMBS], |known| known.channel_noise_v),
             full_scale_v: setup.full_scale_v,
+            remembered: kept.max((BEGINNING_S * sample_rate_hz) as usize),
             first: Vec::new(),
             last: Vec::new(),
             most_v: [0.0; LIMBS],
@@ -79,7 +86,8 @@ impl Ends {
     pub fn look(&mut self, voltage_v: [&[f64]; LIMBS]) {
         let missing = self.kept.saturating_sub(self.first.len());
         let samples = voltage_v[0].len();
-        for at in 0..missing.min(samples) {
+        let remembered = self.remembered.saturating_sub(self.first.len());
+        for at in 0..remembered.min(samples) {
             self.first.push(voltage_v.map(|column| column[at]));
         }
         let half = self.kept / 2;
@@ -151,7 +159,7 @@ impl Ends {
         if self.first.len() < self.kept {
             return None;
         }
-        let (limb, change_v) = self.changing(&self.first)?;
+        let (limb, change_v) = self.changing(&self.first[..self.kept])?;
         // A motion that begins gently changes by little at first.
         if change_v.abs() < OF_THE_RUN * self.most_v[limb] {
             return None;
@@ -168,24 +176,34 @@ impl Ends {
     /// That channels of limbs that are not `excluded` begin off their zeros, in a recording that does not begin in motion.
     #[must_use]
     pub fn begins_off_zero(&self, excluded: LimbSet) -> Option<String> {
-        let whole = self.first.len() == self.kept;
-        if !whole || self.changing(&self.first).is_some() {
+        if self.first.len() < self.kept || self.changing(&self.first[..self.kept]).is_some() {
             return None;
         }
-        let (first, second) = self.first.split_at(self.kept / 2);
-        let samples = first.len() as f64;
+        let half = self.kept / 2;
+        let mean_v = |rows: &[Row], limb: usize| {
+            rows.iter().map(|row| row[limb]).sum::<f64>() / rows.len() as f64
+        };
         let off = |limb: usize| {
-            let mean_v = |rows: &[Row]| rows.iter().map(|row| row[limb]).sum::<f64>() / samples;
-            let at_first_v = mean_v(first);
-            let squares = first.iter().map(|row| (row[limb] - at_first_v).powi(2));
+            let at_first_v = mean_v(&self.first[..half], limb);
+            let squares = self.first[..half]
+                .iter()
+                .map(|row| (row[limb] - at_first_v).powi(2));
             // A low-pass takes noise off the samples, and not off their mean.
-            let noise_v = (squares.sum::<f64>() / samples).sqrt();
-            let mean_sd_v = noise_v.max(self.noise_v[limb]) / samples.sqrt();
+            let noise_v = (squares.sum::<f64>() / half as f64).sqrt();
+            let noise_v = noise_v.max(self.noise_v[limb]);
+            // As long as it stands still.
+            let stands = |rows: &&[Row]| {
+                (mean_v(rows, limb) - at_first_v).abs() < STANDS * noise_v / (half as f64).sqrt()
+            };
+            let periods = self.first.chunks_exact(half).take_while(stands).count();
+            let rows = &self.first[..half * periods.max(1)];
+            let mean_sd_v = noise_v / (rows.len() as f64).sqrt();
             let least_v = OFF_ZERO * self.zero_sd_v[limb].hypot(mean_sd_v);
-            let off_v = at_first_v - self.zero_v[limb];
+            let off_v = mean_v(rows, limb) - self.zero_v[limb];
             // A motion that begins at rest moves a channel further from one period to the next than it has by then.
+            let moved_v = mean_v(&rows[rows.len() - half..], limb) - at_first_v;
             let is_off = off_v.abs() > least_v.max(OFF_ZERO_OF_RANGE * self.full_scale_v)
-                && off_v.abs() > 2.0 * (mean_v(second) - at_first_v).abs();
+                && off_v.abs() > 2.0 * moved_v.abs();
             is_off.then_some((limb, off_v))
         };
         let off: Vec<(usize, f64)> = (0..LIMBS)
