@@ -45,6 +45,13 @@ fn level(mut plan: SessionPlan) -> SessionPlan {
     plan
 }
 
+/// The motor stops beyond whole turns of the crank.
+fn elsewhere(mut plan: SessionPlan) -> SessionPlan {
+    plan.rig.rest_s = 0.3;
+    plan.rig.steady_periods += 0.1;
+    plan
+}
+
 #[test]
 fn law_noise_free_campaigns_are_found() {
     let first = seed();
@@ -114,6 +121,8 @@ fn stat_errors_are_what_the_bound_states() {
     for (name, with) in [
         ("upright", (|plan| plan) as fn(SessionPlan) -> SessionPlan),
         ("level", level),
+        ("upright, ending elsewhere", elsewhere),
+        ("level, ending elsewhere", |plan| elsewhere(level(plan))),
     ] {
         let cases: Vec<Fitted> = (first..first + CASES)
             .into_par_iter()

@@ -9,6 +9,8 @@ use super::schedule::{trial_count, trials};
 use super::spoil::played;
 use crate::geometry::LIMBS;
 
+/// Rest before and after runs that need not make whole turns, s: many lags of a gyroscope.
+const LEAST_REST_S: f64 = 0.3;
 /// Samples of all trials together: what 16 GB of memory hold.
 const MOST_SAMPLES: f64 = 5e7;
 /// Samples of the static record.
@@ -141,13 +143,13 @@ fn rig(plan: &SessionPlan) -> Result<(), SessionError> {
         let cause = format!("{} is more than {MOST_TAPS}", rig.taps);
         return Err(SessionError::plan("rig.taps", cause));
     }
-    // The crank's own run has to come back to where it began.
+    // The crank's own run has to come back to where it began, or to rest long enough that the gyroscope shows that it does not.
     let turns = rig.ramp_periods + rig.steady_periods;
-    if turns.fract() != 0.0 {
+    if turns.fract() != 0.0 && rig.rest_s < LEAST_REST_S {
         return Err(SessionError::plan(
             "rig.steady_periods",
             format!(
-                "with rig.ramp_periods it makes {turns} turns; a run ends where it began only after whole ones"
+                "with rig.ramp_periods it makes {turns} turns; a run ends where it began only after whole ones, and one that ends elsewhere takes a rig.rest_s of {LEAST_REST_S} and more"
             ),
         ));
     }

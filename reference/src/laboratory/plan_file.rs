@@ -85,7 +85,7 @@ slider_amplitude_m
 rotation_amplitude_rad
 # Rest before and after each run, s.
 rest_s
-# Run-up and run-down, crank periods each; with steady_periods they make whole turns.
+# Run-up and run-down, crank periods each; with steady_periods they make whole turns, or rest_s is 0.3 and more.
 ramp_periods
 # Turns at full speed.
 steady_periods

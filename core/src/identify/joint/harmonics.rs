@@ -1,6 +1,6 @@
 //! A record as the lowest harmonics of its own length, in coordinates in which white noise stays white.
 //!
-//! A run that begins and ends at rest in the same place is one period of a smooth periodic signal. Of N samples u_n, spaced h,
+//! What begins and ends at rest at the same value is one period of a smooth periodic signal. Of N samples u_n, spaced h,
 //!
 //! ```text
 //! z_0 = sum u_n / sqrt N,    z_k = sqrt(2/N) sum u_n exp(-i w_k n h),    w_k = 2 pi k/(N h),
@@ -10,6 +10,8 @@
 //! noise of sigma in z_0 and in the real and imaginary parts of every z_k. A derivative is a multiplication by i w_k, a
 //! first-order instrument one by its frequency response; nothing is filtered and nothing is lost but what lies above the last
 //! harmonic, where only noise is. How much noise that is, Parseval says without a second look at the samples.
+//!
+//! What ends at another value is that and a share of a *ramp*, the samples n/N, whose coordinates are known in closed form.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -55,6 +57,19 @@ impl Grid {
 }
 
 impl Grid {
+    /// Coordinates of the ramp n/N.
+    pub(super) fn ramp(&self) -> DVector<f64> {
+        let n = self.samples as f64;
+        let one = Complex::new(1.0, 0.0);
+        let z: Vec<Complex<f64>> = (1..=self.harmonics)
+            .map(|k| {
+                let (sin, cos) = sin_cos(core::f64::consts::TAU * k as f64 / n);
+                one / (Complex::new(cos, -sin) - one) * sqrt(2.0 / n)
+            })
+            .collect();
+        self.vector(0.5 * (n - 1.0) / sqrt(n), &z)
+    }
+
     /// The samples that coordinates stand for.
     #[must_use]
     pub fn samples_of(&self, coordinates: &DVector<f64>) -> Vec<f64> {
@@ -73,6 +88,19 @@ impl Grid {
                     phase -= n;
                 }
             }
+        }
+        samples
+    }
+}
+
+impl Grid {
+    /// The same of a series that ends so much higher than it began, which is a step between its last sample and its first.
+    pub(super) fn samples_of_stepped(&self, mut coordinates: DVector<f64>, step: f64) -> Vec<f64> {
+        coordinates.axpy(-step, &self.ramp(), 1.0);
+        let mut samples = self.samples_of(&coordinates);
+        let per_sample = step / self.samples as f64;
+        for (n, u) in samples.iter_mut().enumerate() {
+            *u += per_sample * n as f64;
         }
         samples
     }
@@ -97,6 +125,34 @@ pub struct Projection<const C: usize> {
     pub coordinates: [DVector<f64>; C],
     /// Mean square of what is left of each series above the last harmonic, per coordinate: the noise's variance.
     pub variance: [f64; C],
+}
+
+/// The same of series that end so much higher than they began: what of the step lies above the last harmonic is no noise.
+#[must_use]
+pub(super) fn project_stepped<const C: usize>(
+    grid: &Grid,
+    step: &[f64; C],
+    row: impl Fn(usize) -> [f64; C],
+) -> Projection<C> {
+    let mut flat = project(grid, level(grid, step, row));
+    let ramp = grid.ramp();
+    for (coordinates, step) in flat.coordinates.iter_mut().zip(step) {
+        coordinates.axpy(*step, &ramp, 1.0);
+    }
+    flat
+}
+
+/// Series that end so much higher than they began, less the ramp to there.
+pub(super) fn level<const C: usize>(
+    grid: &Grid,
+    step: &[f64; C],
+    row: impl Fn(usize) -> [f64; C],
+) -> impl Fn(usize) -> [f64; C] {
+    move |n| {
+        let share = n as f64 / grid.samples as f64;
+        let row = row(n);
+        core::array::from_fn(|c| row[c] - step[c] * share)
+    }
 }
 
 /// Samples n and N - n, which have the same cosine and opposite sines, added and subtracted: half the work for each harmonic.

@@ -13,6 +13,7 @@
 //! |---|---|
 //! | [`harmonics`] | a record in orthonormal coordinates |
 //! | `colour` | noise that is not white |
+//! | `ends` | trials that do not end at the angle at which they began |
 //! | `motion` | the latent motion and the series that limbs feel |
 //! | [`super::static_load_sharing`] | how nine limbs share a load |
 //! | [`unknowns`] | what is estimated |
@@ -42,6 +43,7 @@
 //! Relative motion enters linear trials to first order in 1/(k/m) and angular ones not at all: 2e-7 to 7e-7 of a force at 2 Hz.
 //! Limbs that tilt add 5e-6 of a force at twice the drive's frequency at 5 Hz.
 mod colour;
+mod ends;
 pub mod estimate;
 pub mod harmonics;
 mod load;
@@ -79,6 +81,8 @@ use crate::model::Parameters;
 
 /// Two unit vectors nearer than this are the same wedge's.
 const SAME_WEDGE: f64 = 1e-3;
+/// Sine of the angle between gravity and axis below which gravity does not turn in the sensor.
+const TURNS: f64 = 1e-6;
 /// What a stated tolerance of wedges is worth, in angles, against the wedges' own word.
 const WEDGE_WORTH: f64 = 4.0;
 

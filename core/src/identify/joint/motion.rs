@@ -10,6 +10,9 @@
 //! | angular | w', w^2 | inertia; its centrifugal part |
 //! | angular, gravity turning | sin theta, 1 - cos theta | gravity square to the axis, in it |
 //!
+//! A trial that does not end at the angle at which it began has a mean rate, too, behind the harmonics. Its angle is then no periodic
+//! signal, nor are sine and cosine of it: they are one and a ramp to where they end.
+//!
 //! Each comes with its derivative by q, a diagonal of complex factors or, for products of the motion with itself, a matrix.
 
 use alloc::vec::Vec;
@@ -19,16 +22,38 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::harmonics::{Grid, harmonic, turn};
 use crate::float::{sin_cos, sqrt};
 
-/// Linear operator from the latent harmonics (no mean) to the coordinates of a series (with mean).
+/// Linear operator from the latent harmonics, and the mean behind them if there is one, to the coordinates of a series.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Operator {
     /// Each harmonic by its own factor.
     Diagonal(Vec<Complex<f64>>),
-    /// Anything else: (2K + 1) x 2K.
+    /// Anything else: (2K + 1) x 2K, or as many columns as rows with a mean.
     Dense(DMatrix<f64>),
 }
 
 impl Operator {
+    /// With the derivative by the mean behind those by the harmonics.
+    fn with_mean(self, by_mean: DVector<f64>) -> Self {
+        let dense = match self {
+            Self::Dense(matrix) => matrix,
+            Self::Diagonal(factors) => {
+                let mut matrix = DMatrix::zeros(by_mean.len(), 2 * factors.len());
+                for (k, f) in factors.iter().enumerate() {
+                    let (re, im) = (2 * k, 2 * k + 1);
+                    matrix[(re + 1, re)] = f.re;
+                    matrix[(re + 1, im)] = -f.im;
+                    matrix[(im + 1, re)] = f.im;
+                    matrix[(im + 1, im)] = f.re;
+                }
+                matrix
+            }
+        };
+        let last = dense.ncols();
+        let mut matrix = dense.insert_column(last, 0.0);
+        matrix.set_column(last, &by_mean);
+        Self::Dense(matrix)
+    }
+
     /// Followed by a filter with the given factor at the mean and at each harmonic.
     pub fn filtered(self, mean: f64, factors: &[Complex<f64>]) -> Self {
         match self {
@@ -129,18 +154,33 @@ pub(super) fn angular(grid: &Grid, latent: &DVector<f64>, gravity_turns: bool) -
     let slope = (1..=grid.harmonics)
         .map(|k| Complex::new(0.0, grid.rate_rad_s(k)))
         .collect();
-    let mut series = alloc::vec![diagonal(grid, latent, slope)];
+    let root_n = sqrt(grid.samples as f64);
+    let mean_rate_rad_s = latent.get(2 * grid.harmonics).map(|mean| mean / root_n);
+    let by_mean = |operator: Operator, column: &dyn Fn() -> DVector<f64>| match mean_rate_rad_s {
+        None => operator,
+        Some(_) => operator.with_mean(column()),
+    };
+    let Series { value, by_latent } = diagonal(grid, latent, slope);
+    let mut series = alloc::vec![Series {
+        value,
+        by_latent: by_mean(by_latent, &|| DVector::zeros(grid.coordinates())),
+    }];
     let fine = Fine::new(grid, if gravity_turns { 8 } else { 4 });
     let amplitude = sqrt(2.0 / grid.samples as f64);
     let rate: Vec<Complex<f64>> = (0..grid.harmonics)
         .map(|k| Complex::new(latent[2 * k], latent[2 * k + 1]) * amplitude)
         .collect();
-    let w = fine.times(&rate);
+    let mut w = fine.times(&rate);
+    if let Some(mean) = mean_rate_rad_s {
+        w.iter_mut().for_each(|w| *w += mean);
+    }
     let squares: Vec<f64> = w.iter().map(|w| w * w).collect();
     let twice: Vec<f64> = w.iter().map(|w| 2.0 * w).collect();
     series.push(Series {
         value: fine.coordinates(&squares),
-        by_latent: fine.product(&twice, None),
+        by_latent: by_mean(fine.product(&twice, None), &|| {
+            fine.coordinates(&twice) / root_n
+        }),
     });
     if gravity_turns {
         let whole: Vec<Complex<f64>> = (1..=grid.harmonics)
@@ -151,12 +191,32 @@ pub(super) fn angular(grid: &Grid, latent: &DVector<f64>, gravity_turns: bool) -
         // The angle counts from where the run begins.
         let start = theta[0];
         theta.iter_mut().for_each(|t| *t -= start);
+        let times_s: Vec<f64> = (0..fine.points).map(|i| fine.time_s(i)).collect();
+        let end = mean_rate_rad_s.map(|mean| {
+            for (theta, t) in theta.iter_mut().zip(&times_s) {
+                *theta += mean * t;
+            }
+            sin_cos(mean * fine.time_s(fine.points))
+        });
         let (sine, cosine): (Vec<f64>, Vec<f64>) = theta.iter().map(|t| sin_cos(*t)).unzip();
         let versine: Vec<f64> = cosine.iter().map(|c| 1.0 - c).collect();
-        for (value, slope) in [(&sine, &cosine), (&versine, &sine)] {
+        let [sine_end, cosine_end] = end.map_or([0.0, 1.0], |(sin, cos)| [sin, cos]);
+        for (value, value_end, slope, slope_end) in [
+            (&sine, sine_end, &cosine, cosine_end),
+            (&versine, 1.0 - cosine_end, &sine, sine_end),
+        ] {
+            let by_angle = fine.product(slope, Some(&whole));
+            let grown = || {
+                let by_time: Vec<f64> = slope.iter().zip(&times_s).map(|(s, t)| s * t).collect();
+                let step = slope_end * fine.time_s(fine.points);
+                fine.stepped(&by_time, step) / root_n
+            };
             series.push(Series {
-                value: fine.coordinates(value),
-                by_latent: fine.product(slope, Some(&whole)),
+                value: match end {
+                    None => fine.coordinates(value),
+                    Some(_) => fine.stepped(value, value_end),
+                },
+                by_latent: by_mean(by_angle, &grown),
             });
         }
     }
@@ -232,6 +292,19 @@ impl<'a> Fine<'a> {
         let scale = sqrt(0.5 * n);
         let z: Vec<Complex<f64>> = amplitudes.iter().map(|a| a * scale).collect();
         self.grid.vector(mean * sqrt(n), &z)
+    }
+
+    fn time_s(&self, point: usize) -> f64 {
+        let duration_s = self.grid.samples as f64 * self.grid.step_s;
+        duration_s * point as f64 / self.points as f64
+    }
+
+    /// The same of a series that begins at 0 and ends at `step`.
+    fn stepped(&self, values: &[f64], step: f64) -> DVector<f64> {
+        let per_point = step / self.points as f64;
+        let ramped = values.iter().enumerate();
+        let level: Vec<f64> = ramped.map(|(i, v)| v - per_point * i as f64).collect();
+        self.coordinates(&level) + self.grid.ramp() * step
     }
 
     /// Multiplication by a series g, after a filter if there is one: with G its amplitudes, the product with

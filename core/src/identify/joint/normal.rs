@@ -65,7 +65,7 @@ impl Trial {
 
     fn arrow(&self, unknowns: &Unknowns, shares: &StaticLoadSharing) -> Option<Arrow> {
         let outer = unknowns.len() + self.own.len();
-        let count = 2 * self.grid.harmonics;
+        let count = self.latent.len();
         let mut arrow = Arrow {
             information: DMatrix::zeros(outer, outer),
             descent: DVector::zeros(outer),
@@ -223,7 +223,7 @@ impl Arrow {
         }
     }
 
-    /// The standard; its mean is its own offset and says nothing.
+    /// The standard; its mean is its own offset and says nothing, but where the ends at rest tell the two apart.
     fn add_standard(&mut self, trial: &Trial, unknowns: &Unknowns) {
         let Standard {
             response,
@@ -233,6 +233,18 @@ impl Arrow {
         let reading = 1.0 + unknowns.values[gain];
         let weight = 1.0 / trial.noise_variance(LIMBS);
         let shown = &trial.data.coordinates[LIMBS];
+        if let Some(mean) = trial.mean_shown() {
+            let at = 2 * trial.grid.harmonics;
+            let weight = 1.0 / (mean.deviation * mean.deviation);
+            let by_gain = trial.latent[at];
+            let residual = mean.value - reading * by_gain;
+            self.squares += weight * residual * residual;
+            self.own[(at, at)] += weight * reading * reading;
+            self.own_descent[at] += weight * reading * residual;
+            self.coupling[(at, gain)] += weight * reading * by_gain;
+            self.information[(gain, gain)] += weight * by_gain * by_gain;
+            self.descent[gain] += weight * by_gain * residual;
+        }
         for k in 0..trial.grid.harmonics {
             let q = Complex::new(trial.latent[2 * k], trial.latent[2 * k + 1]);
             let by_latent = response[k] * reading;

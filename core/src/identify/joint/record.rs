@@ -5,10 +5,10 @@ use alloc::vec::Vec;
 use glam::DVec3;
 use nalgebra::DVector;
 
-use super::harmonics::{Grid, mean_square, project};
+use super::harmonics::{Grid, Projection, level, mean_square, project, project_stepped};
 use super::trial::{Drive, Trial};
 use super::{Certificates, WHAT};
-use super::{colour, own};
+use super::{colour, ends, own};
 use crate::error::{Error, Result, require, require_finite_row, require_positive, require_samples};
 use crate::geometry::LIMBS;
 use crate::model::Gains;
@@ -21,11 +21,10 @@ const FEWEST_FOR_NOISE: usize = 64;
 const LEAST_NOISE: f64 = 1e-10;
 /// Jump from a record's end to its beginning over its largest step.
 const LARGEST_JUMP: f64 = 3.0;
-/// Sine of the angle between gravity and axis below which gravity does not turn in the sensor.
-const TURNS: f64 = 1e-6;
 
-/// One trial as it was recorded; nothing filtered. It begins and ends at rest in the same place or, if gravity does not turn in it,
-/// holds whole turns of the drive.
+/// One trial as it was recorded; nothing filtered. It begins and ends at rest, wherever that is, or, if gravity does not turn in it,
+/// holds whole turns of the drive. That an angular trial ends at another angle than it began at is seen where both rests are longer than a
+/// few pieces of a fiftieth of a second; it is taken to end at the same one else.
 #[derive(Debug, Clone, Copy)]
 pub struct Record<'a> {
     /// What the rig did.
@@ -77,22 +76,68 @@ impl Record<'_> {
             core::array::from_fn(|c| if c < LIMBS { row[c] } else { self.standard[n] })
         };
         let mut data = project(&grid, row);
-        // What was read between its samples has less noise at high frequencies, and more below than its samples show.
-        let duration_s = samples as f64 / self.sample_rate_hz;
+        self.put_noise(&grid, &mut data, row)?;
+        let elsewhere = ends::look(self, &grid, &data.variance);
+        let step = elsewhere.map_or([0.0; LIMBS + 1], |ends| ends.step);
+        let flat = level(&grid, &step, row);
+        if elsewhere.is_some() {
+            data = project_stepped(&grid, &step, row);
+            self.put_noise(&grid, &mut data, &flat)?;
+        }
+        let band_hz = self.limbs_band_hz.min(self.standard_band_hz);
+        let near = colour::look(&grid, flat, &data.variance, self.band(band_hz));
+        let nominal = self.direction_ground.normalize();
+        let amplifier = certificates.amplifier_corner_rad_s.is_some();
+        let room = &certificates.room;
+        let g = self.gravity_ground_m_s2;
+        Ok(Prepared {
+            nominal,
+            trial: Trial {
+                drive: self.drive,
+                elsewhere,
+                latent: DVector::zeros(2 * harmonics + usize::from(elsewhere.is_some())),
+                grid,
+                gains: *self.gains,
+                data,
+                near,
+                louder: [1.0; LIMBS + 1],
+                wedge: 0,
+                gravity_m_s2: g,
+                gravity_turns: self.drive == Drive::Angular
+                    && (room.plumb_rad > 0.0 || ends::turns(nominal, g)),
+                amplifier,
+                accelerometer_lag_s: certificates.accelerometer_lag_s,
+                standard_delay_s: certificates.standard_delay_s,
+                own: own::of(self.drive, amplifier, room, nominal, g),
+            },
+        })
+    }
+
+    /// Puts the noise of what was read between its samples, which has less at high frequencies and more below than its samples show, and of
+    /// what has none.
+    fn put_noise(
+        &self,
+        grid: &Grid,
+        data: &mut Projection<{ LIMBS + 1 }>,
+        row: impl Fn(usize) -> [f64; LIMBS + 1],
+    ) -> Result<()> {
+        let samples = grid.samples;
         // A short run has too few coordinates below: those next to them are the nearest to white.
         let white = |band_hz: f64| {
-            let last = (band_hz * duration_s).min((samples / 2) as f64) as usize;
-            let last = last.max(harmonics + FEWEST_FOR_NOISE / 2);
-            (last < samples / 2).then_some(harmonics + 1..=last)
+            let last = self
+                .band(band_hz)
+                .max(grid.harmonics + FEWEST_FOR_NOISE / 2);
+            (last < samples / 2).then_some(grid.harmonics + 1..=last)
         };
+        let series =
+            |channel: usize| -> Vec<f64> { (0..samples).map(|n| row(n)[channel]).collect() };
         if let Some(band) = white(self.limbs_band_hz) {
             for limb in 0..LIMBS {
-                let channel: Vec<f64> = self.voltage_v.iter().map(|row| row[limb]).collect();
-                data.variance[limb] = mean_square(&grid, &channel, band.clone());
+                data.variance[limb] = mean_square(grid, &series(limb), band.clone());
             }
         }
         if let Some(band) = white(self.standard_band_hz) {
-            data.variance[LIMBS] = mean_square(&grid, self.standard, band);
+            data.variance[LIMBS] = mean_square(grid, &series(LIMBS), band);
         }
         // A limb may well feel nothing in a trial, all of them may not.
         let largest =
@@ -113,33 +158,14 @@ impl Record<'_> {
             }
             *variance = variance.max(floor);
         }
-        let band_hz = self.limbs_band_hz.min(self.standard_band_hz);
-        let last = (band_hz * duration_s).min((samples / 2) as f64) as usize;
-        let near = colour::look(&grid, row, &data.variance, last);
-        let nominal = self.direction_ground.normalize();
-        let amplifier = certificates.amplifier_corner_rad_s.is_some();
-        let room = &certificates.room;
-        let g = self.gravity_ground_m_s2;
-        Ok(Prepared {
-            nominal,
-            trial: Trial {
-                drive: self.drive,
-                latent: DVector::zeros(2 * harmonics),
-                grid,
-                gains: *self.gains,
-                data,
-                near,
-                louder: [1.0; LIMBS + 1],
-                wedge: 0,
-                gravity_m_s2: g,
-                gravity_turns: self.drive == Drive::Angular
-                    && (room.plumb_rad > 0.0 || g.cross(nominal).length() > TURNS * g.length()),
-                amplifier,
-                accelerometer_lag_s: certificates.accelerometer_lag_s,
-                standard_delay_s: certificates.standard_delay_s,
-                own: own::of(self.drive, amplifier, room, nominal, g),
-            },
-        })
+        Ok(())
+    }
+
+    /// Last harmonic up to a frequency, of those that there are.
+    fn band(&self, band_hz: f64) -> usize {
+        let samples = self.voltage_v.len();
+        let duration_s = samples as f64 / self.sample_rate_hz;
+        (band_hz * duration_s).min((samples / 2) as f64) as usize
     }
 
     /// Refuses lengths, numbers and settings with which nothing can be done.

@@ -11,7 +11,7 @@ use alloc::vec::Vec;
 use nalgebra::DVector;
 
 use super::estimate::JointEstimate;
-use super::harmonics::{Projection, project};
+use super::harmonics::{Projection, project, project_stepped};
 use super::trial::Trial;
 use super::unknowns::Unknowns;
 use super::{Joint, Record, WHAT, solve};
@@ -119,7 +119,13 @@ fn cut_off(
         } else {
             trial.standard_prediction(unknowns)
         };
-        let mut values = trial.grid.samples_of(&coordinates);
+        // What a step has above the last harmonic is no residual.
+        let mut values = match trial.elsewhere {
+            None => trial.grid.samples_of(&coordinates),
+            Some(ends) => trial
+                .grid
+                .samples_of_stepped(coordinates, ends.step[channel]),
+        };
         let mut residuals: Vec<f64> = values
             .iter()
             .enumerate()
@@ -141,7 +147,11 @@ fn cut_off(
         }
         values
     });
-    let mut data = project(&trial.grid, |n| core::array::from_fn(|c| values[c][n]));
+    let cut = |n: usize| core::array::from_fn(|c| values[c][n]);
+    let mut data = match trial.elsewhere {
+        None => project(&trial.grid, cut),
+        Some(ends) => project_stepped(&trial.grid, &ends.step, cut),
+    };
     for ((variance, before), whole) in data
         .variance
         .iter_mut()

@@ -19,6 +19,7 @@ use nalgebra::{Complex, DVector};
 
 use super::Known;
 use super::colour::Near;
+use super::ends::Elsewhere;
 use super::estimate::TrialEstimate;
 use super::harmonics::{Grid, Projection, harmonic};
 use super::load::Share;
@@ -62,7 +63,9 @@ pub(super) struct Trial {
     pub accelerometer_lag_s: f64,
     /// Delays of the standard accelerometer and gyroscope, s: known.
     pub standard_delay_s: [f64; 2],
-    /// Harmonics of the motion, the unknowns of this trial alone.
+    /// What is known of the angle at which it ends, if that is not the one at which it began.
+    pub elsewhere: Option<Elsewhere>,
+    /// Harmonics of the motion, and its mean if it ends elsewhere: unknowns of this trial alone.
     pub latent: DVector<f64>,
     /// The other unknowns of this trial alone.
     pub own: Vec<Own>,
@@ -98,7 +101,7 @@ impl Trial {
     /// What is measured of it: nine channels and the standard, and what is known of its own unknowns beforehand.
     pub fn measured(&self) -> usize {
         let known = self.own.iter().filter(|own| own.deviation.is_finite());
-        10 * self.grid.coordinates() - 1 + known.count()
+        10 * self.grid.coordinates() - usize::from(self.elsewhere.is_none()) + known.count()
     }
 
     /// What is fitted to that alone.
@@ -189,6 +192,18 @@ impl Trial {
             self.latent[2 * k] = z.re;
             self.latent[2 * k + 1] = z.im;
         }
+        if let Some(mean) = self.mean_shown() {
+            self.latent[2 * self.grid.harmonics] = mean.value / (1.0 + unknowns.values[gain]);
+        }
+    }
+
+    /// The mean coordinate that the standard shows, its zero taken off: that of a trial that ends elsewhere.
+    pub fn mean_shown(&self) -> Option<Known> {
+        let root_n = sqrt(self.grid.samples as f64);
+        self.elsewhere.map(|ends| Known {
+            value: ends.mean_rate_rad_s.value * root_n,
+            deviation: ends.mean_rate_rad_s.deviation * root_n * sqrt(self.louder[LIMBS]),
+        })
     }
 
     /// What the channels are combined of at the present motion; none if the limbs' stiffnesses do not hold the mass.
@@ -236,7 +251,8 @@ impl Trial {
         }
     }
 
-    /// Coordinates of what comes a time sooner. A record is one period of what it shows: it begins and ends at rest.
+    /// Coordinates of what comes a time sooner. A record is one period of what it shows: it begins and ends at rest. The step of one that
+    /// ends elsewhere is moved along with the rest, by less than a sample.
     pub fn sooner(&self, v: &DVector<f64>, by_s: f64) -> DVector<f64> {
         let turns: Vec<Complex<f64>> = (1..=self.grid.harmonics)
             .map(|k| {

@@ -4,6 +4,8 @@ use alloc::vec;
 
 use glam::DVec3;
 
+use super::super::Known;
+use super::super::ends::Elsewhere;
 use super::super::harmonics::{Grid, project};
 use super::super::own::{self, Kind};
 use super::super::room::Room;
@@ -12,7 +14,7 @@ use super::super::unknowns::{
     MASS_CENTRE, MASS_PER_SCALE, STIFFNESS, WEDGES, Wedge,
 };
 use super::*;
-use crate::float::sin_cos;
+use crate::float::{sin_cos, sqrt};
 use crate::geometry::Geometry;
 use crate::model::Gains;
 
@@ -22,15 +24,19 @@ const FINITE_DIFFERENCES: f64 = 1e-5;
 const ROUNDS: usize = 60;
 
 const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, 3.0, -9.0);
-/// Drive, whether gravity turns, whether the amplifiers are high-passes, whether the channels are late.
-const CASES: [(Drive, bool, bool, bool); 7] = [
-    (Drive::Linear, false, false, false),
-    (Drive::Linear, false, true, false),
-    (Drive::Linear, false, true, true),
-    (Drive::Angular, false, false, false),
-    (Drive::Angular, true, false, false),
-    (Drive::Angular, true, true, false),
-    (Drive::Angular, true, false, true),
+/// Drive, whether gravity turns, whether the amplifiers are high-passes, whether the channels are late, whether it ends elsewhere.
+type Case = (Drive, bool, bool, bool, bool);
+const CASES: [Case; 10] = [
+    (Drive::Linear, false, false, false, false),
+    (Drive::Linear, false, true, false, false),
+    (Drive::Linear, false, true, true, false),
+    (Drive::Angular, false, false, false, false),
+    (Drive::Angular, true, false, false, false),
+    (Drive::Angular, true, true, false, false),
+    (Drive::Angular, true, false, true, false),
+    (Drive::Angular, false, false, false, true),
+    (Drive::Angular, true, false, false, true),
+    (Drive::Angular, true, true, true, true),
 ];
 
 fn size_of_unknown(u: usize) -> f64 {
@@ -52,7 +58,7 @@ fn size_of_own(kind: Kind) -> f64 {
     }
 }
 
-fn trial((drive, gravity_turns, amplifier, late): (Drive, bool, bool, bool)) -> (Trial, Unknowns) {
+fn trial((drive, gravity_turns, amplifier, late, elsewhere): Case) -> (Trial, Unknowns) {
     let grid = Grid {
         samples: 400,
         step_s: 2e-3,
@@ -95,7 +101,14 @@ fn trial((drive, gravity_turns, amplifier, late): (Drive, bool, bool, bool)) -> 
     values[WEDGES + 1] = -2e-4;
     let mut trial = Trial {
         drive,
-        latent: DVector::zeros(2 * grid.harmonics),
+        elsewhere: elsewhere.then_some(Elsewhere {
+            mean_rate_rad_s: Known {
+                value: 0.3,
+                deviation: 0.01,
+            },
+            step: [0.0; LIMBS + 1],
+        }),
+        latent: DVector::zeros(2 * grid.harmonics + usize::from(elsewhere)),
         data,
         near: None,
         louder: [1.0; LIMBS + 1],
@@ -191,6 +204,11 @@ fn inv_blocks_are_the_descents_derivatives() {
             trial.data.coordinates[limb] = trial.sooner(&sooner, -delay);
         }
         trial.data.coordinates[LIMBS] = trial.standard_prediction(&unknowns);
+        let reading = 1.0 + unknowns.values[GYROSCOPE_GAIN];
+        if let Some(ends) = &mut trial.elsewhere {
+            let mean = trial.latent[2 * trial.grid.harmonics];
+            ends.mean_rate_rad_s.value = reading * mean / sqrt(trial.grid.samples as f64);
+        }
         let arrow = trial.arrow(&unknowns, &shares).expect("held");
         // Entries in the unknowns' own sizes, against the largest of their block: what is next to nothing drowns in rounding.
         let of_own = trial.own.iter().map(|own| size_of_own(own.kind));
