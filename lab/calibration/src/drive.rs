@@ -4,8 +4,8 @@ use sixaxis_core::LIMBS;
 
 use crate::diagnosis::structure::varies_as_noise;
 use crate::finding::{Cause, Finding};
+use crate::frequency::frequency;
 use crate::report::TrialReport;
-use crate::response::frequency;
 use crate::series::upper_median;
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
@@ -22,7 +22,7 @@ const ALIKE: f64 = 1.1;
 /// Frequency by a trial's own standards and clock, where one shows three cycles or more; of two, the one nearer to what is stated.
 #[must_use]
 pub fn seen_hz(trial: &Trial) -> Option<f64> {
-    let of = |series: &[f64]| frequency(series, trial.sample_rate_hz);
+    let of = |series: &[f64]| frequency(series, trial.sample_rate_hz, trial.frequency_hz);
     let far = |hz: &f64| (hz / trial.frequency_hz).ln().abs();
     let linear = of(&trial.accelerometer_m_s2);
     let angular = of(&trial.gyroscope_rad_s);
@@ -44,7 +44,7 @@ fn seen_hz_of_the_other(trial: &Trial) -> Option<f64> {
         Role::Angular => &trial.accelerometer_m_s2,
         Role::Static | Role::Tap | Role::Validation => return None,
     };
-    frequency(series, trial.sample_rate_hz)
+    frequency(series, trial.sample_rate_hz, trial.frequency_hz)
 }
 
 /// The frequency as seen, where the session states another.
@@ -88,26 +88,34 @@ pub(crate) const EXCHANGED: &str =
 fn of_limbs_hz(trial: &Trial) -> Option<f64> {
     let of = |limb: usize| {
         let series: Vec<f64> = trial.voltage_v.iter().map(|row| row[limb]).collect();
-        frequency(&series, trial.sample_rate_hz)
+        frequency(&series, trial.sample_rate_hz, trial.frequency_hz)
     };
     upper_median((0..LIMBS).filter_map(of))
 }
 
-/// Whether neither the standard that a trial needs nor most channels show more than noise.
-fn nothing_moves(trial: &Trial) -> bool {
+/// Whether the standard that a trial needs, or both of a run that needs both, shows noise and no drive in it: it says nothing of any clock.
+pub(crate) fn shows_noise_alone(trial: &Trial) -> bool {
+    seen_hz(trial).is_none() && standard_varies_as_noise(trial)
+}
+
+fn standard_varies_as_noise(trial: &Trial) -> bool {
     let linear = || varies_as_noise(&trial.accelerometer_m_s2);
     let angular = || varies_as_noise(&trial.gyroscope_rad_s);
-    let still = match trial.role {
+    match trial.role {
         Role::Linear | Role::HighFrequencyLinear => linear(),
         Role::Angular => angular(),
         Role::Validation => linear() && angular(),
         Role::Static | Role::Tap => false,
-    };
+    }
+}
+
+/// Whether neither the standard that a trial needs nor most channels show more than noise.
+fn nothing_moves(trial: &Trial) -> bool {
     let of_limbs = (0..LIMBS).filter(|limb| {
         let series: Vec<f64> = trial.voltage_v.iter().map(|row| row[*limb]).collect();
         varies_as_noise(&series)
     });
-    still && of_limbs.count() > LIMBS / 2
+    standard_varies_as_noise(trial) && of_limbs.count() > LIMBS / 2
 }
 
 /// Takes out the trials in which nothing moves, and says so.
@@ -130,57 +138,98 @@ pub(crate) fn set_aside(trials: &mut Vec<Trial>) -> Vec<Finding> {
 }
 
 fn of_other_drives(trials: &mut Vec<Trial>) -> Vec<Finding> {
-    let another = |trial: &Trial| {
-        let seen_hz = seen_hz(trial)?;
+    let turns_otherwise = |trial: &Trial, seen_hz: f64| {
         let far = !(1.0 / ANOTHER..=ANOTHER).contains(&(seen_hz / trial.frequency_hz));
         // What is not far off is another motion's where the channels move as stated.
         let off = || (seen_hz / trial.frequency_hz - 1.0).abs() > OFF;
         let limbs_as_stated =
             || of_limbs_hz(trial).is_some_and(|hz| (hz / trial.frequency_hz - 1.0).abs() < SAME);
-        (far || off() && limbs_as_stated()).then_some(seen_hz)
+        far || off() && limbs_as_stated()
     };
     let all = trials.len();
-    let mut apart: Vec<(Trial, f64)> = Vec::new();
+    let (mut apart, mut still) = (Vec::new(), Vec::new());
     for trial in std::mem::take(trials) {
-        match another(&trial) {
-            Some(seen_hz) => apart.push((trial, seen_hz)),
-            None => trials.push(trial),
+        match seen_hz(&trial) {
+            Some(seen_hz) if turns_otherwise(&trial, seen_hz) => apart.push((trial, seen_hz)),
+            None if shows_noise_alone(&trial) => still.push(trial),
+            _ => trials.push(trial),
         }
     }
     let each = apart.iter().map(|(trial, seen_hz)| {
         let name = trial.name.as_str();
         (name, trial.frequency_hz, *seen_hz)
     });
+    let mut standards = OfStandards::default();
     if let Some(evidence) = exchanged(&each.collect::<Vec<_>>()) {
         let finding = Finding::new(Cause::ClockMismatch, evidence, EXCHANGED);
-        return vec![finding.in_recordings(apart.into_iter().map(|(trial, _)| trial.name))];
+        let names = apart.into_iter().map(|(trial, _)| trial.name);
+        standards.found.push(finding.in_recordings(names));
+        apart = Vec::new();
     }
-    let (mut found, mut other_kind) = (Vec::new(), Vec::new());
     apart.retain(|(trial, seen_hz)| {
         let as_stated = |hz: &f64| (hz / trial.frequency_hz - 1.0).abs() < OFF;
-        let Some(limbs_hz) = of_limbs_hz(trial).filter(as_stated) else {
-            return true;
-        };
-        let evidence = format!(
-            "the nine channels move at {limbs_hz:.3} Hz, as stated, and the standard does not: by its signal it would be {seen_hz:.3} Hz"
-        );
-        if seen_hz_of_the_other(trial).is_some_and(|hz| as_stated(&hz)) {
-            other_kind.push(trial.name.clone());
-            return false;
+        let limbs_hz = of_limbs_hz(trial).filter(as_stated);
+        if limbs_hz.is_some() {
+            let shows =
+                format!("and the standard does not: by its signal it would be {seen_hz:.3} Hz");
+            standards.does_not_go_along(trial, limbs_hz, &shows);
         }
-        let advice = "see the plug of the standard that this trial needs, reference_file and reference_start_s, and record the trial again";
-        found.push(Finding::new(Cause::Unreadable, evidence, advice).in_trial(trial));
-        false
+        limbs_hz.is_none()
     });
-    if !other_kind.is_empty() {
-        let evidence = "the nine channels move as stated, and of the standards only the one that trials of the other kind need";
-        let advice =
-            "see whether files or roles of linear and angular trials are exchanged in the session";
-        let finding = Finding::new(Cause::Unreadable, evidence, advice);
-        found.push(finding.in_recordings(other_kind));
+    for trial in &still {
+        let shows = "and the standard shows noise alone";
+        standards.does_not_go_along(trial, of_limbs_hz(trial), shows);
     }
+    let mut found = standards.findings();
     found.extend(of_another_drive(&apart, all));
     found
+}
+
+/// Trials whose channels move, and whose standard does not go along.
+#[derive(Default)]
+struct OfStandards {
+    found: Vec<Finding>,
+    /// Those of which the other standard does.
+    of_the_other_kind: Vec<String>,
+    /// Whether the drive of one of these is none of the session's.
+    not_as_stated: bool,
+}
+
+impl OfStandards {
+    /// Notes a trial whose channels move at `limbs_hz`, if they show it, and what its standard `shows`.
+    fn does_not_go_along(&mut self, trial: &Trial, limbs_hz: Option<f64>, shows: &str) {
+        let as_stated = limbs_hz.is_some_and(|hz| (hz / trial.frequency_hz - 1.0).abs() < OFF);
+        let along = |hz: f64| limbs_hz.is_some_and(|limbs_hz| (hz / limbs_hz - 1.0).abs() < OFF);
+        if seen_hz_of_the_other(trial).is_some_and(along) {
+            self.of_the_other_kind.push(trial.name.clone());
+            self.not_as_stated |= !as_stated;
+            return;
+        }
+        let evidence = match limbs_hz {
+            Some(hz) => format!(
+                "the nine channels move at {hz:.3} Hz{}, {shows}",
+                if as_stated { ", as stated" } else { "" }
+            ),
+            None => shows.trim_start_matches("and ").to_owned(),
+        };
+        let advice = "see the plug of the standard that this trial needs, reference_file and reference_start_s, and record the trial again";
+        let finding = Finding::new(Cause::Unreadable, evidence, advice);
+        self.found.push(finding.in_trial(trial));
+    }
+
+    fn findings(mut self) -> Vec<Finding> {
+        if !self.of_the_other_kind.is_empty() {
+            let evidence = format!(
+                "the nine channels move{}, and of the standards only the one that trials of the other kind need",
+                if self.not_as_stated { "" } else { " as stated" }
+            );
+            let advice = "see whether files or roles of linear and angular trials are exchanged in the session";
+            let finding = Finding::new(Cause::Unreadable, evidence, advice);
+            self.found
+                .push(finding.in_recordings(self.of_the_other_kind));
+        }
+        self.found
+    }
 }
 
 /// Trials, each with the frequency that was seen, of so many in all.

@@ -10,6 +10,7 @@
 //! | [`trial`] | one recording in SI units on one clock |
 //! | [`conditioning`] | what is done to recordings beforehand, in one order |
 //! | [`drive`] | the frequency that the session states against the one that was recorded |
+//! | `frequency` | the frequency of a drive, as a series shows it |
 //! | `set_aside` | copies of other trials, and trials that are not whole |
 //! | [`prepare`] | a session's recordings, sorted and conditioned |
 //! | [`response`] | what each channel shows of a known motion |
@@ -36,6 +37,7 @@ pub mod drive;
 pub mod error;
 pub mod estimate;
 pub mod finding;
+mod frequency;
 pub mod gain_prior;
 pub mod grade;
 pub mod interval;

@@ -14,6 +14,7 @@ use sixaxis_core::LIMBS;
 use sixaxis_core::dsp::differentiate::Differentiator;
 
 use crate::conditioning::Conditioned;
+use crate::frequency::frequency;
 use crate::steps::stride;
 use crate::trial::Trial;
 use sixaxis_recordings::session::Role;
@@ -209,7 +210,7 @@ pub fn measure(
         angular_over_waveform: if turns { over_waveform(&angular) } else { 0.0 },
         travels,
         duration_s: samples as f64 / trial.sample_rate_hz,
-        frequency_hz: frequency(waveform, trial.sample_rate_hz),
+        frequency_hz: frequency(waveform, trial.sample_rate_hz, trial.frequency_hz),
     })
 }
 
@@ -218,26 +219,3 @@ pub fn measure(
 const ARM_M: f64 = 0.01;
 /// Rate below which nothing turns: a tenth of a degree a second is a gyroscope's noise.
 const TURNING_RAD_S: f64 = 2e-3;
-
-/// Frequency of a waveform once up to speed: the median of its cycles, of which the run-up and the run-down have one each.
-///
-/// None for less than three whole cycles.
-pub(crate) fn frequency(waveform: &[f64], sample_rate_hz: f64) -> Option<f64> {
-    let peak = waveform.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-    // Upward crossings of zero, each after a dip below a third of the peak, so that noise about zero does not count.
-    let mut crossings = Vec::new();
-    let mut armed = false;
-    for (i, pair) in waveform.windows(2).enumerate() {
-        armed |= pair[0] < -peak / 3.0;
-        if armed && pair[0] < 0.0 && pair[1] >= 0.0 {
-            crossings.push(i as f64 + pair[0] / (pair[0] - pair[1]));
-            armed = false;
-        }
-    }
-    let mut cycles: Vec<f64> = crossings.windows(2).map(|w| w[1] - w[0]).collect();
-    if cycles.len() < 3 {
-        return None;
-    }
-    cycles.sort_unstable_by(f64::total_cmp);
-    Some(sample_rate_hz / cycles[cycles.len() / 2])
-}

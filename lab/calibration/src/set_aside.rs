@@ -66,8 +66,12 @@ fn a_copy(trials: &[Trial]) -> Option<(usize, usize)> {
     let (first, second) = (a.min(b), a.max(b));
     // The copy is the shorter one, or else the one that does not turn as the session says.
     let far = |trial: &Trial| {
-        let seen_hz = drive::seen_hz(trial);
-        seen_hz.map_or(0.0, |seen_hz| (seen_hz / trial.frequency_hz).ln().abs())
+        match drive::seen_hz(trial) {
+            Some(seen_hz) => (seen_hz / trial.frequency_hz).ln().abs(),
+            // The standard of another kind of trials.
+            None if drive::shows_noise_alone(trial) => f64::INFINITY,
+            None => 0.0,
+        }
     };
     let lengths = [first, second].map(|index| trials[index].voltage_v.len());
     let first_is_copy = match lengths[0].cmp(&lengths[1]) {
