@@ -191,7 +191,9 @@ fn against_each_other(
     let mut table = Table::linear(shares, cases, &silent);
     if let Some(table) = &mut table {
         table.angle_error = facts.gyroscope_class + LAG_ANGLE_ERROR;
-        gravity::examine(table, cases, &mut found.findings);
+        if gravity::examine(table, cases, &mut found.findings) {
+            found.mark(Word::Certain);
+        }
     }
     measure(cases, drift, table.as_ref());
     let table = table.map(|linear| linear.fitted(cases));

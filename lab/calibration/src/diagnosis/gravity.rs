@@ -11,19 +11,24 @@ use super::trial_case::{TrialCase, angles, names};
 use crate::finding::{Cause, Finding};
 use crate::steps::rows;
 use sixaxis_recordings::session::Role;
+use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 /// Weight, m/s^2, from which it is worth a finding: a mounting askew by three degrees.
 pub const NOTICED_M_S2: f64 = 0.5;
 /// Share of the net force that a constant vector in the ground must explain to be gravity.
 const EXPLAINED: f64 = 0.8;
 
+/// Share of standard gravity by which a weight may differ from it to be nothing else: scale factors are as good as a standard's certificate.
+const WEIGHS: f64 = 0.1;
+
 /// Cosine of the angle from which two weights pull in opposite directions.
 const OPPOSITE: f64 = 0.9;
 /// Mean square of the sine and so on of its angles, summed over axes, from which a run turns far enough.
 const TURNS: f64 = 0.1;
 
-/// Looks for a gravity that the session does not know of. Where it is there, what turns cannot be examined further.
-pub fn examine(table: &Table, cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) {
+/// Looks for a gravity that the session does not know of. Where it is there, what turns cannot be examined further. Whether that is certain:
+/// where none should turn, and the whole of it does in every angular trial.
+pub fn examine(table: &Table, cases: &mut [TrialCase<'_>], findings: &mut Vec<Finding>) -> bool {
     let mut seen = Vec::new();
     let turning =
         |case: &&TrialCase<'_>| matches!(case.trial.role, Role::Angular | Role::Validation);
@@ -39,8 +44,17 @@ pub fn examine(table: &Table, cases: &mut [TrialCase<'_>], findings: &mut Vec<Fi
         }
     }
     let Some((_, found, declared)) = seen.first().copied() else {
-        return;
+        return false;
     };
+    let whole = |(_, found, declared): &(&TrialCase<'_>, DVec3, DVec3)| {
+        (found.length() / STANDARD_GRAVITY_M_S2 - 1.0).abs() < WEIGHS
+            && declared.length() < NOTICED_M_S2
+    };
+    let angular = |case: &TrialCase<'_>| case.trial.role == Role::Angular;
+    let seen_angular = seen.iter().filter(|(case, ..)| angular(case)).count();
+    let certain = seen_angular > 1
+        && seen_angular == cases.iter().filter(|case| angular(case)).count()
+        && seen.iter().all(whole);
     let evidence = format!(
         "during rotation the limbs carry a net force that turns as a weight of {:.2} m/s² would{}, but by the directions in the session it should be {:.2} m/s²",
         found.length(),
@@ -67,6 +81,7 @@ pub fn examine(table: &Table, cases: &mut [TrialCase<'_>], findings: &mut Vec<Fi
             role => role == Role::Validation,
         };
     }
+    certain
 }
 
 /// Gravity square to the axis, m/s^2, as one trial's net force shows it; zero if it shows none. None where the trial does

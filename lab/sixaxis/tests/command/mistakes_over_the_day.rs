@@ -487,6 +487,16 @@ fn neg_down_that_is_up_is_told() {
             && said.contains("with every `down` the other way round all trials agree"),
         "{said}"
     );
+    let (code, said) = calibrated_in(&level, "without-down", |s| {
+        let lines = s.lines().filter(|line| !line.starts_with("down = ["));
+        lines.map(|line| format!("{line}\n")).collect()
+    });
+    assert_eq!(code, 4, "{said}");
+    assert!(
+        said.contains("Not good: gravity not handled in angular-01.csv and")
+            && said.contains("state where down was with `down`"),
+        "{said}"
+    );
 }
 
 #[test]
