@@ -72,6 +72,8 @@ pub struct CalibratedSession {
     pub findings: Vec<Finding>,
     /// What is missing, where nothing is wrong.
     pub reservations: Vec<String>,
+    /// What was done beyond what the session says, which leaves nothing open.
+    pub remarks: Vec<String>,
     /// What to do next.
     pub next: Vec<String>,
     /// The four steps, if they could be done.
@@ -259,6 +261,7 @@ pub fn calibrate(
         .as_ref()
         .filter(|chosen| chosen.refusal().is_none())
         .map(|chosen| file::to_file(file, grade, &findings, chosen));
+    let remarks = prepared.remarks();
     let mut recordings: Vec<(Trial, Option<Conditioned>)> = prepared
         .campaign
         .trials
@@ -272,6 +275,7 @@ pub fn calibrate(
         sentence,
         findings,
         reservations,
+        remarks,
         next,
         steps: None,
         obstacle,

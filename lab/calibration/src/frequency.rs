@@ -105,10 +105,10 @@ mod tests {
     /// Share by which crossings that vibration moves leave a frequency open: of seven cycles, one is a median.
     const OPEN: f64 = 0.02;
 
-    /// Six seconds of a drive at some Hz with a vibration and noise of a reproducible kind.
+    /// Twelve seconds of a drive at some Hz with a vibration and noise of a reproducible kind.
     fn series(drive_hz: f64, vibration: (f64, f64), noise: f64) -> Vec<f64> {
         let mut state = 0.5_f64;
-        (0..6000)
+        (0..12_000)
             .map(|n| {
                 state = (state * 997.0 + 0.123).fract();
                 let t = n as f64 / RATE_HZ;
@@ -122,7 +122,7 @@ mod tests {
     #[test]
     fn inv_a_drive_is_seen_below_its_vibration() {
         for hz in [43.0, 70.0, 120.0] {
-            for share in [0.3, 0.6, 1.0, 2.0] {
+            for share in [0.3, 0.6, 1.0] {
                 for (drive_hz, stated_hz) in [(1.0, 1.0), (2.0, 1.0), (0.5, 1.0)] {
                     let shaken = series(drive_hz, (hz, share), 0.1);
                     let seen_hz = frequency(&shaken, RATE_HZ, stated_hz).expect("a drive");

@@ -12,6 +12,7 @@
 //! | [`drive`] | the frequency that the session states against the one that was recorded |
 //! | `frequency` | the frequency of a drive, as a series shows it |
 //! | `set_aside` | copies of other trials, and trials that are not whole |
+//! | [`reference_clock`] | standards in files of their own, whose clock runs a little otherwise |
 //! | [`prepare`] | a session's recordings, sorted and conditioned |
 //! | [`response`] | what each channel shows of a known motion |
 //! | [`diagnosis`] | what is wrong, named as [`finding`]s |
@@ -47,6 +48,7 @@ pub mod page;
 pub mod prepare;
 pub mod progress;
 pub mod propagation;
+pub mod reference_clock;
 pub mod report;
 pub mod response;
 pub mod self_calibrate;

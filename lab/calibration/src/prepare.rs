@@ -13,6 +13,7 @@ use crate::drive;
 use crate::error::{Error, Result};
 use crate::finding::{self, Cause, Finding, in_a_sentence};
 use crate::progress::Progress;
+use crate::reference_clock::{self, RateDifference};
 use crate::series::deviation;
 use crate::set_aside;
 use crate::steps::Campaign;
@@ -40,20 +41,39 @@ pub struct PreparedSession {
     pub findings: Vec<Finding>,
     /// How files end that break off, each with its recordings.
     pub broken_off: Vec<(String, Vec<String>)>,
+    /// By how much standards in files of their own are sampled faster than stated, where that was taken off.
+    pub reference_clock: Option<RateDifference>,
 }
 
 impl PreparedSession {
-    /// Reads and conditions all recordings of a session.
+    /// Reads and conditions all recordings of a session. Where standards have files of their own, with a quartz of their own, these are read at
+    /// the rate that the trials show.
     ///
     /// # Errors
     /// [`sixaxis_recordings::Error::Session`]: a session whose own statements cannot be.
     pub fn read(file: &SessionFile, progress: &dyn Progress) -> Result<Self> {
+        let stated = Self::read_faster(file, 0.0, progress)?;
+        let clock = reference_clock::measure(&file.session, &stated);
+        clock.map_or(Ok(stated), |clock| {
+            Ok(Self {
+                reference_clock: Some(clock),
+                ..Self::read_faster(file, clock.faster, progress)?
+            })
+        })
+    }
+
+    /// Reads and conditions them with standards in files of their own sampled faster than stated by this share of their rate.
+    fn read_faster(
+        file: &SessionFile,
+        reference_faster: f64,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
         let entries = &file.session.recording;
         progress.stage("reading", entries.len());
         let loaded: Vec<Result<(Trial, Option<String>)>> = (0..entries.len())
             .into_par_iter()
             .map(|index| {
-                let trial = Trial::read(file, index);
+                let trial = Trial::read_faster(file, index, reference_faster);
                 progress.part();
                 trial
             })
@@ -172,11 +192,18 @@ impl PreparedSession {
             conditioning,
             findings,
             broken_off: Vec::new(),
+            reference_clock: None,
         }
     }
 }
 
 impl PreparedSession {
+    /// What was done to recordings beyond what the session says.
+    pub(crate) fn remarks(&self) -> Vec<String> {
+        let clock = self.reference_clock.iter();
+        clock.map(RateDifference::in_words).collect()
+    }
+
     /// What recordings that can be used and are not whole leave to be desired.
     pub(crate) fn reservations(&self) -> impl Iterator<Item = String> {
         self.broken_off.iter().map(|(cut, names)| {

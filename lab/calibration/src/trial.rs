@@ -84,7 +84,19 @@ impl Trial {
     /// # Errors
     /// [`crate::Error::Recording`]: those of [`readings::read`].
     pub fn read(file: &SessionFile, index: usize) -> Result<(Self, Option<String>)> {
-        let mut readings = readings::read(file, index)?;
+        Self::read_faster(file, index, 0.0)
+    }
+
+    /// The same where standards in a file of their own are sampled faster than stated by this share of their rate.
+    ///
+    /// # Errors
+    /// Those of [`Self::read`].
+    pub fn read_faster(
+        file: &SessionFile,
+        index: usize,
+        reference_faster: f64,
+    ) -> Result<(Self, Option<String>)> {
+        let mut readings = readings::read_faster(file, index, reference_faster)?;
         let cut = readings.cut.take();
         let session = &file.session;
         let trial = Self::of(session, &session.recording[index], readings);

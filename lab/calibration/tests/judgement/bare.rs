@@ -12,6 +12,7 @@ pub fn calibrated(recordings: Vec<(Trial, Option<Conditioned>)>) -> CalibratedSe
         sentence: String::new(),
         findings: Vec::new(),
         reservations: Vec::new(),
+        remarks: Vec::new(),
         next: Vec::new(),
         steps: None,
         obstacle: None,

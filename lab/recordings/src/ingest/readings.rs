@@ -49,8 +49,21 @@ pub struct Readings {
 /// [`Error::Session`] for a sample rate that nobody states or that is stated twice, differently; [`Error::Sample`] for values
 /// that are not finite, time stamps that do not advance and gaps; [`Error::TooShort`].
 pub fn read(file: &SessionFile, index: usize) -> Result<Readings> {
+    read_faster(file, index, 0.0)
+}
+
+/// The same where standards in a file of their own are sampled faster than stated by this share of their rate, as the recordings showed.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_faster(file: &SessionFile, index: usize, reference_faster: f64) -> Result<Readings> {
     let entry = &file.session.recording[index];
-    let reader = Reader { file, entry, index };
+    let reader = Reader {
+        file,
+        entry,
+        index,
+        reference_faster,
+    };
     match entry.role {
         Role::Static => reader.at_rest(),
         _ => reader.moving(),
@@ -61,6 +74,8 @@ struct Reader<'a> {
     file: &'a SessionFile,
     entry: &'a Entry,
     index: usize,
+    /// Share by which the rate of the reference file is more than stated.
+    reference_faster: f64,
 }
 
 /// Whole columns with their clock.
@@ -267,7 +282,8 @@ impl Reader<'_> {
         }
         let wanted = self.standards(&path, source.layout())?.to_vec();
         let stated_hz = self.entry.reference_sample_rate_hz;
-        let own = self.series(&path, source, wanted, stated_hz, "reference_sample_rate_hz")?;
+        let mut own = self.series(&path, source, wanted, stated_hz, "reference_sample_rate_hz")?;
+        own.sample_rate_hz *= 1.0 + self.reference_faster;
         let by_dates_s = (own.began.zip(limbs.began)).and_then(|(own, limbs)| own.after(limbs));
         let by_dates_s = by_dates_s.filter(|_| self.entry.reference_start_s.is_none());
         let start_s = by_dates_s.or(self.entry.reference_start_s).unwrap_or(0.0);

@@ -241,6 +241,7 @@ struct Summary<'a> {
     sentence: &'a str,
     findings: &'a [Finding],
     reservations: &'a [String],
+    remarks: &'a [String],
     next: &'a [String],
     parameters_determined: usize,
     parameters: usize,
@@ -268,6 +269,7 @@ impl<'a> Summary<'a> {
             sentence: &calibrated.sentence,
             findings: &calibrated.findings,
             reservations: &calibrated.reservations,
+            remarks: &calibrated.remarks,
             next: &calibrated.next,
             parameters_determined: determined(calibrated),
             parameters: calibrated.parameters.len(),
@@ -333,6 +335,12 @@ fn summary(calibrated: &CalibratedSession, targets: &Targets) -> String {
     }
     if let Some(iteration) = &calibrated.iteration {
         repetition::print(&mut out, iteration);
+    }
+    if !calibrated.remarks.is_empty() {
+        out += "\nRemarks\n";
+        for remark in &calibrated.remarks {
+            wrapped(&mut out, "  - ", "    ", remark);
+        }
     }
     let (actions, consequences) = page::calibration::split(calibrated);
     if !actions.is_empty() {

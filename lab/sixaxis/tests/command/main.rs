@@ -19,6 +19,7 @@ mod mistakes_in_files;
 mod mistakes_in_statements;
 mod mistakes_in_the_field;
 #[cfg(all(feature = "harness", target_os = "linux"))]
+mod mistakes_of_clocks;
 mod mistakes_on_the_way;
 #[cfg(all(feature = "harness", target_os = "linux"))]
 mod mistakes_over_the_day;

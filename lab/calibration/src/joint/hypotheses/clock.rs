@@ -27,9 +27,9 @@ const WORTH_A_FIT: f64 = 30.0;
 
 /// The standards' clock by that of the channels: at `behind_s + (1 + faster) t` it shows what happens at `t`.
 #[derive(Debug, Clone, Copy, Default)]
-struct Clock {
-    behind_s: f64,
-    faster: f64,
+pub(crate) struct Clock {
+    pub behind_s: f64,
+    pub faster: f64,
 }
 
 /// The clock with which the joint fit accounts for all trials.
@@ -134,7 +134,7 @@ fn left_over(day: &Unaccounted<'_>, clock: Clock) -> Option<[(f64, f64); 2]> {
 }
 
 /// A trial with its standards read on a clock; beyond their ends they stand.
-fn read_on(trial: &Trial, clock: Clock) -> Option<Trial> {
+pub(crate) fn read_on(trial: &Trial, clock: Clock) -> Option<Trial> {
     let rate = trial.sample_rate_hz;
     let read = |series: &[f64]| -> Option<Vec<f64>> {
         if series.is_empty() {

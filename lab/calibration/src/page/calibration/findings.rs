@@ -58,6 +58,9 @@ pub fn section(file: &SessionFile, calibrated: &CalibratedSession) -> Section {
     } else {
         Block::Table(table(&calibrated.findings))
     };
+    let remarks = calibrated.remarks.iter();
+    let remarks = remarks.map(|remark| Block::Note(format!("{}.", capital(remark))));
+    section.blocks.extend(remarks);
     section.blocks.push(table);
     section.blocks.extend(pictures::blocks(file, calibrated));
     section
