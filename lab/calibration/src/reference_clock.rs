@@ -79,7 +79,7 @@ pub fn measure(session: &Session, stated: &PreparedSession) -> Option<RateDiffer
     if own.is_empty() {
         return None;
     }
-    let mut middle = by_growth(stated, &own).filter(|faster| faster.abs() <= OF_QUARTZES)?;
+    let mut found = by_growth(stated, &own).filter(|found| found.faster.abs() <= OF_QUARTZES)?;
     let campaign = &stated.campaign;
     let class = session.gyroscope.class_percent / 100.0;
     let steps = campaign.identify(GyroscopeGain::Certified { class }).ok()?;
@@ -107,24 +107,26 @@ pub fn measure(session: &Session, stated: &PreparedSession) -> Option<RateDiffer
     if as_stated.as_ref().is_some_and(JointReport::accounts) {
         return None;
     }
-    let mut found = None;
     for _ in 0..ROUNDS {
-        let fits: Vec<JointReport> = [middle - STEP, middle, middle + STEP]
+        let middle = found.faster;
+        let fits: Option<Vec<JointReport>> = [middle - STEP, middle, middle + STEP]
             .into_par_iter()
             .map(fit)
-            .collect::<Option<_>>()?;
-        let left = of_parabolas(&fits, &own)?;
-        middle += left.faster;
-        found = Some(RateDifference {
-            faster: middle,
+            .collect();
+        // A fit to good instruments may refuse what is ten parts in a million off; the growth alone is good to a few.
+        let Some(left) = fits.and_then(|fits| of_parabolas(&fits, &own)) else {
+            break;
+        };
+        found = RateDifference {
+            faster: middle + left.faster,
             ..left
-        });
+        };
     }
-    found.filter(RateDifference::is_of_quartzes)
+    found.is_of_quartzes().then_some(found)
 }
 
 /// By how much standards of those trials are sampled faster by the growth of their lags, the middle one of all trials.
-fn by_growth(stated: &PreparedSession, own: &[String]) -> Option<f64> {
+fn by_growth(stated: &PreparedSession, own: &[String]) -> Option<RateDifference> {
     let of = |(trial, conditioned): &(Trial, Conditioned)| -> Option<(f64, f64)> {
         if !own.contains(&trial.name) {
             return None;
@@ -141,8 +143,7 @@ fn by_growth(stated: &PreparedSession, own: &[String]) -> Option<f64> {
         told.then(|| (growth / response.duration_s, 1.0 / (error * error)))
     };
     let trials = stated.campaign.trials.par_iter();
-    let mut all: Vec<(f64, f64)> = trials.filter_map(of).collect();
-    weighted_median(&mut all)
+    agreed(trials.filter_map(of).collect())
 }
 
 /// A clock that shows the middle of a trial when it is, and runs otherwise.
@@ -168,17 +169,21 @@ fn of_parabolas(fits: &[JointReport], own: &[String]) -> Option<RateDifference> 
         let slope = (high - low) / (2.0 * STEP);
         (curvature > 0.0).then(|| (-0.5 * slope / curvature, curvature))
     };
-    let mut bottoms: Vec<(f64, f64)> = of_own.filter_map(bottom).collect();
-    let faster = weighted_median(&mut bottoms)?;
-    // Squares over their noise have a curvature of one over the variance, if nothing else is wrong with the trials.
-    let departures = bottoms
+    agreed(of_own.filter_map(bottom).collect())
+}
+
+/// What trials agree on, each with its word and one over its variance.
+fn agreed(mut words: Vec<(f64, f64)>) -> Option<RateDifference> {
+    let faster = weighted_median(&mut words)?;
+    // Variances are those of noise, if nothing else is wrong with the trials.
+    let departures = words
         .iter()
         .map(|(value, weight)| (value - faster).abs() * weight.sqrt());
     let larger = (OVER_MEDIAN * median(departures)?).max(1.0);
-    let weights: f64 = bottoms.iter().map(|(_, weight)| weight).sum();
+    let weights: f64 = words.iter().map(|(_, weight)| weight).sum();
     Some(RateDifference {
         faster,
         deviation: OF_A_MEDIAN * larger / weights.sqrt(),
-        trials: bottoms.len(),
+        trials: words.len(),
     })
 }
