@@ -44,6 +44,14 @@ impl Reconstruction {
             excluded.len() as f64,
             "at most three: six accelerations want six channels",
         )?;
+        let none = Self {
+            excluded,
+            stiffness_ratio: [1.0; LIMBS],
+            weights,
+        };
+        if excluded.is_empty() {
+            return Ok(none);
+        }
         // Never by index from here on: no panic must be in reach of a decoupler that does without a limb in mid-stream.
         let mut limbs = [None; MOST_EXCLUDED];
         let numbered = SIGNATURES.into_iter().zip(SCALED).enumerate();
@@ -83,11 +91,7 @@ impl Reconstruction {
         for ((_, weights), row) in chosen.zip(rows) {
             *weights = row;
         }
-        Ok(Self {
-            excluded,
-            stiffness_ratio: [1.0; LIMBS],
-            weights,
-        })
+        Ok(Self { weights, ..none })
     }
 
     /// The same of limbs of these stiffnesses over their mean: strains are forces over them.
