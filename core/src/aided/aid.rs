@@ -16,6 +16,8 @@ pub enum Aid {
         deviation_rad_s: f64,
         /// Of each component of the velocity, m/s.
         deviation_m_s: f64,
+        /// Whether nothing has changed since the rest before.
+        continues: bool,
     },
     /// The velocity is zero but for what the motion has of it at any time.
     Velocity {
@@ -29,6 +31,19 @@ pub enum Aid {
         /// Standard deviation about each axis, rad.
         deviation_rad: f64,
     },
+}
+
+/// What became of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Taken {
+    /// It was used.
+    Used,
+    /// It contradicts what was known, or cannot be used now. A velocity is not used; a rest or an attitude counts little.
+    Refused,
+    /// A rest that is a steady turn about the plumb line: at most the rate across it was used.
+    Turn,
+    /// A rest that is a motion at constant velocity: that nothing turns was used, and velocities are counted from here.
+    Cruise,
 }
 
 /// Three numbers that the decoupler has, too, and by how much it has them differently.
@@ -72,6 +87,7 @@ impl Aid {
             Self::Rest {
                 deviation_rad_s,
                 deviation_m_s,
+                ..
             } => [
                 of(RATE, sample.rate_shell_rad_s, deviation_rad_s, Some(down)),
                 velocity(deviation_m_s),

@@ -5,7 +5,7 @@ use alloc::boxed::Box;
 
 use glam::DVec3;
 
-use super::aid::Aid;
+use super::aid::{Aid, Measurement, Taken};
 use super::block::{Block, Gathering};
 use super::channels::Channels;
 use super::correction::Correction;
@@ -15,6 +15,7 @@ use super::filter::{ErrorFilter, FIRST_ORDER_RAD};
 use super::history::{Event, History};
 #[cfg(feature = "alloc")]
 use super::second_pass::SmoothedDecoupler;
+use super::steady::Steady;
 use crate::decouple::stream::Decoupler;
 use crate::error::Result;
 use crate::geometry::LIMBS;
@@ -41,9 +42,11 @@ pub struct AidedDecoupler {
     last: Option<(Block, SixAxis)>,
     /// What the decoded accelerations add up to, m/s.
     velocity: DVec3,
-    down: DVec3,
+    gravity_ground_m_s2: DVec3,
     /// Rests and attitudes in a row that contradict what is known.
     refused: [u32; 2],
+    /// Whether the rest before was a steady turn.
+    turning: bool,
     #[cfg(feature = "alloc")]
     history: Option<Box<History>>,
 }
@@ -68,9 +71,10 @@ impl AidedDecoupler {
             last: None,
             velocity: DVec3::ZERO,
             refused: [0; 2],
+            turning: false,
             #[cfg(feature = "alloc")]
             history: None,
-            down: settings.gravity_ground_m_s2.normalize_or_zero(),
+            gravity_ground_m_s2: settings.gravity_ground_m_s2,
         }
     }
 
@@ -105,61 +109,127 @@ impl AidedDecoupler {
         self.last.as_ref().map(|(_, sample)| sample)
     }
 
-    /// Uses what is known of the last sample; false where no block ends there, where it contradicts what was known, or where it is a velocity and
-    /// the attitude is lost.
-    pub fn aid(&mut self, aid: &Aid) -> bool {
+    /// Uses what is known of the last sample; refused, too, where no block ends there, or where it is a velocity and the attitude is lost.
+    pub fn aid(&mut self, aid: &Aid) -> Taken {
         let Some((_, sample)) = &self.last else {
-            return false;
+            return Taken::Refused;
         };
         self.aid_of(aid, &sample.clone())
     }
 
     /// Uses what is known of an earlier sample of the block, in which errors hardly grow. Nothing may have been used since that sample.
-    pub fn aid_of(&mut self, aid: &Aid, sample: &SixAxis) -> bool {
-        if self.last.is_none() || (matches!(aid, Aid::Velocity { .. }) && self.has_lost_attitude())
-        {
-            return false;
-        }
-        let mut taken = true;
-        for part in 0..2 {
-            // Anew for the second one: the first has corrected what that is held against.
-            let all = aid.against(sample, self.velocity, self.down);
-            if let Some(measurement) = &all[part] {
-                #[cfg(feature = "alloc")]
-                if let Some(history) = &mut self.history {
-                    history.happened(Event::Measured(*measurement));
-                }
-                match self.filter.take(measurement) {
-                    Some(found) => {
-                        taken &= !found.contradicts;
-                        self.correct(&found);
-                    }
-                    None => taken = false,
-                }
+    pub fn aid_of(&mut self, aid: &Aid, sample: &SixAxis) -> Taken {
+        let taken = match aid {
+            _ if self.last.is_none() => return Taken::Refused,
+            Aid::Velocity { .. } if self.has_lost_attitude() => return Taken::Refused,
+            Aid::Rest {
+                deviation_m_s,
+                continues,
+                ..
+            } => {
+                let turned = continues.then_some(self.turning);
+                let taken = self.rest(aid, sample, *deviation_m_s, turned);
+                self.turning = taken == Taken::Turn;
+                taken
             }
-        }
+            _ => self.take(aid, sample),
+        };
         // A rest or an attitude that goes on contradicting is right.
         let counter = match aid {
             Aid::Rest { .. } => &mut self.refused[0],
             Aid::Attitude { .. } => &mut self.refused[1],
             Aid::Velocity { .. } => return taken,
         };
-        *counter = if taken { 0 } else { *counter + 1 };
+        *counter = match taken {
+            Taken::Refused => *counter + 1,
+            _ => 0,
+        };
         if *counter >= BELIEVED_AFTER {
             #[cfg(feature = "alloc")]
-            if let Some(history) = &mut self.history {
-                history.happened(Event::Doubted);
-            }
+            self.happened(Event::Doubted);
             self.filter.doubt();
         }
         taken
+    }
+
+    fn take(&mut self, aid: &Aid, sample: &SixAxis) -> Taken {
+        let [measurement, _] = aid.against(sample, self.velocity, self.down());
+        match measurement {
+            Some(measurement) if self.measure(&measurement) => Taken::Used,
+            _ => Taken::Refused,
+        }
+    }
+
+    /// A rest, or what constant channels may show as well.
+    fn rest(
+        &mut self,
+        aid: &Aid,
+        sample: &SixAxis,
+        deviation_m_s: f64,
+        turned: Option<bool>,
+    ) -> Taken {
+        let mut taken = Taken::Used;
+        for part in 0..2 {
+            // Anew for the second one: the first has corrected what that is held against.
+            let all = aid.against(sample, self.velocity, self.down());
+            let (Some(measurement), Some((block, _))) = (&all[part], &self.last) else {
+                return Taken::Refused;
+            };
+            let steady = match taken {
+                Taken::Used => {
+                    self.filter
+                        .steady(measurement, block, sample, self.gravity_ground_m_s2, turned)
+                }
+                _ => None,
+            };
+            match steady {
+                Some(Steady::Turn(across)) => {
+                    if let Some(across) = across {
+                        self.measure(&across);
+                    }
+                    return Taken::Turn;
+                }
+                Some(Steady::Cruise) => {
+                    #[cfg(feature = "alloc")]
+                    self.happened(Event::Tared(deviation_m_s));
+                    self.filter.tare_velocity(deviation_m_s);
+                    self.velocity = DVec3::ZERO;
+                    return Taken::Cruise;
+                }
+                None if self.measure(measurement) => {}
+                None => taken = Taken::Refused,
+            }
+        }
+        taken
+    }
+
+    /// Takes off what a measurement finds; false where it contradicts what was known.
+    fn measure(&mut self, measurement: &Measurement) -> bool {
+        #[cfg(feature = "alloc")]
+        self.happened(Event::Measured(*measurement));
+        let found = self.filter.take(measurement);
+        if let Some(found) = &found {
+            self.correct(found);
+        }
+        found.is_some_and(|found| !found.contradicts)
+    }
+
+    #[cfg(feature = "alloc")]
+    fn happened(&mut self, event: Event) {
+        if let Some(history) = &mut self.history {
+            history.happened(event);
+        }
+    }
+
+    fn down(&self) -> DVec3 {
+        self.gravity_ground_m_s2.normalize_or_zero()
     }
 
     /// How far what is known of an earlier sample of the block is from what was decoded, before it is used:
     /// [`ErrorFilter::departure`] of its first measurement.
     #[must_use]
     pub fn departure(&self, aid: &Aid, sample: &SixAxis) -> Option<f64> {
-        let [measurement, _] = aid.against(sample, self.velocity, self.down);
+        let [measurement, _] = aid.against(sample, self.velocity, self.down());
         self.filter.departure(&measurement?)
     }
 

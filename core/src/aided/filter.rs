@@ -26,24 +26,11 @@ use crate::six_axis::SixAxis;
 /// Those that a measurement corrects: the dynamic ones, zero drifts and scale factors.
 pub(super) const CORRECTED: usize = DYNAMIC + SCALE.end;
 /// Innovations squared over their covariance that one of a thousand measurements of three numbers has.
-const ONE_OF_A_THOUSAND: f64 = 16.27;
+pub(super) const ONE_OF_A_THOUSAND: f64 = 16.27;
 /// Deviation of the attitude beyond which nothing of first order is to be believed, rad.
 pub(super) const FIRST_ORDER_RAD: f64 = 1.0;
 /// Times that a correction is held against what it bends, which converges by the error in rad.
 const BENDINGS: usize = 3;
-/// Deviation of a rate of which nothing is known, rad/s, and of a velocity, m/s.
-const UNKNOWN_RATE_RAD_S: f64 = 10.0;
-const UNKNOWN_VELOCITY_M_S: f64 = 1e3;
-
-/// Deviation of a dynamic error of which nothing is known.
-fn unknown(place: usize) -> f64 {
-    match place {
-        ATTITUDE..RATE => TURN_RAD,
-        RATE..VELOCITY => UNKNOWN_RATE_RAD_S,
-        _ => UNKNOWN_VELOCITY_M_S,
-    }
-}
-
 /// Covariance of the errors.
 pub type ErrorCovariance = SMatrix<f64, ERRORS, ERRORS>;
 
@@ -70,8 +57,8 @@ fn size(measurement: &Measurement, weight: &Matrix3<f64>) -> f64 {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorFilter {
     model: ErrorModel,
-    covariance: ErrorCovariance,
-    bending: Bending,
+    pub(super) covariance: ErrorCovariance,
+    pub(super) bending: Bending,
     /// Whether the attitude has been beyond first order since something told it: what the covariance says of it is not to be believed.
     lost: bool,
 }
@@ -191,28 +178,6 @@ impl ErrorFilter {
         }
     }
 
-    /// Beyond a turn nothing more is unknown, and sums of first order would grow without end: directions of which less is known, as the
-    /// heading without a fix, are taken to be known so far, and the others as they are.
-    fn bound_unknown_turns(&mut self) {
-        let attitude = self.covariance.fixed_view::<3, 3>(ATTITUDE, ATTITUDE);
-        let found = attitude.into_owned().symmetric_eigen();
-        let mut bound = SMatrix::<f64, 3, 3>::identity();
-        for (direction, variance) in found.eigenvectors.column_iter().zip(&found.eigenvalues) {
-            let deviation = sqrt(variance.max(0.0));
-            if deviation > TURN_RAD {
-                bound -= direction * direction.transpose() * (1.0 - TURN_RAD / deviation);
-            }
-        }
-        let rows = times(&bound, &self.covariance.fixed_rows::<3>(ATTITUDE).into());
-        self.covariance
-            .fixed_rows_mut::<3>(ATTITUDE)
-            .copy_from(&rows);
-        let columns = times(&self.covariance.fixed_columns::<3>(ATTITUDE).into(), &bound);
-        self.covariance
-            .fixed_columns_mut::<3>(ATTITUDE)
-            .copy_from(&columns);
-    }
-
     /// The square of a measurement's innovation over its covariance: chi square with three degrees of freedom where all is as stated. None
     /// where nothing that the covariance says of the attitude is to be believed, or the innovation has no covariance.
     #[must_use]
@@ -309,43 +274,8 @@ impl ErrorFilter {
         self.scale(0..DYNAMIC, 2.0);
     }
 
-    /// A motion that nothing held for long leaves an attitude, and a velocity, of which nothing is known. Rate and parameters are as before: the
-    /// rate's equation has no attitude in it. Taken for unknown as well it would turn the sensor by a radian from one attitude to the next,
-    /// which then tells nothing of it.
-    fn forget_attitude(&mut self) {
-        self.bending = Bending::none();
-        for place in (ATTITUDE..RATE).chain(VELOCITY..DYNAMIC) {
-            self.covariance.row_mut(place).fill(0.0);
-            self.covariance.column_mut(place).fill(0.0);
-            self.covariance[(place, place)] = unknown(place) * unknown(place);
-        }
-        for place in RATE..VELOCITY {
-            let deviation = sqrt(self.covariance[(place, place)]);
-            if deviation > UNKNOWN_RATE_RAD_S {
-                self.scale(place..place + 1, UNKNOWN_RATE_RAD_S / deviation);
-            }
-        }
-    }
-
-    /// A covariance that none can be means nothing: attitude, rate and velocity are unknown, and parameters as uncertain as before, each by
-    /// itself.
-    fn forget(&mut self) {
-        self.bending = Bending::none();
-        let variances = self.covariance.diagonal();
-        let sound = |variance: f64| variance.is_finite() && variance >= 0.0;
-        self.covariance = ErrorCovariance::from_diagonal(&SMatrix::from_fn(|place, _| {
-            if place < DYNAMIC {
-                unknown(place) * unknown(place)
-            } else if sound(variances[place]) {
-                variances[place]
-            } else {
-                0.0
-            }
-        }));
-    }
-
     /// Standard deviations of some errors larger or smaller by a factor, their correlations as they are.
-    fn scale(&mut self, errors: Range<usize>, factor: f64) {
+    pub(super) fn scale(&mut self, errors: Range<usize>, factor: f64) {
         for i in errors {
             self.covariance.row_mut(i).scale_mut(factor);
             self.covariance.column_mut(i).scale_mut(factor);

@@ -20,6 +20,8 @@ pub(super) enum Event {
     Measured(Measurement),
     /// The filter was doubted.
     Doubted,
+    /// Velocities, m/s, are counted from here, with this deviation.
+    Tared(f64),
 }
 
 /// A block that has gone by.

@@ -16,6 +16,8 @@
 //! | [`bound`] | what aids leave open just before the next comes, the sensor standing still |
 //! | [`aid`] | what a measurement is, and the one of a state at rest |
 //! | [`rest`] | whether the sensor is at rest, from its channels |
+//! | `unknown` | errors of which nothing is known any longer |
+//! | `steady` | whether it may as well turn, or move on, as it did |
 //! | `steer` | a decoupler's rate and attitude changed in mid-stream |
 //! | [`decoupler`] | decoupler and filter in one stream |
 //! | `channels` | zero drifts and scale factors that the filter has corrected |
@@ -60,9 +62,11 @@ pub mod rest;
 pub mod second_pass;
 #[cfg(feature = "alloc")]
 mod smoother;
+mod steady;
 mod steer;
+mod unknown;
 
-pub use aid::Aid;
+pub use aid::{Aid, Taken};
 pub use bound::Bound;
 pub use decoupler::AidedDecoupler;
 pub use deviations::Deviations;

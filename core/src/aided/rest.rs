@@ -35,6 +35,8 @@ pub struct RestFinder {
     excluded: LimbSet,
     recent: [[f64; LIMBS]; BLOCKS],
     seen: usize,
+    /// Whether a rest ended just before those.
+    follows: bool,
 }
 
 impl RestFinder {
@@ -49,6 +51,7 @@ impl RestFinder {
             excluded: model.excluded(),
             recent: [[0.0; LIMBS]; BLOCKS],
             seen: 0,
+            follows: false,
         }
     }
 
@@ -56,6 +59,7 @@ impl RestFinder {
     pub fn set_excluded(&mut self, limbs: LimbSet) {
         self.excluded = limbs;
         self.seen = 0;
+        self.follows = false;
     }
 
     /// Takes the next block; what is known of the sensor if this ends [`BLOCKS`] blocks of rest, none of which has been counted before.
@@ -90,14 +94,17 @@ impl RestFinder {
         let read = LIMBS - self.excluded.len();
         let alike = squares < ALIKE * ((BLOCKS - 1) * read) as f64 && changes < LAST_ALIKE;
         if !alike {
+            self.follows = false;
             return None;
         }
+        let continues = core::mem::replace(&mut self.follows, true);
         self.seen = 0;
         let time_s = BLOCKS as f64 * block.duration_s;
         let [rate, velocity] = self.walks_in_1_s.map(|walk| walk * sqrt(time_s));
         Some(Aid::Rest {
             deviation_rad_s: rate.max(FLOOR[0]),
             deviation_m_s: velocity.max(FLOOR[1]),
+            continues,
         })
     }
 }

@@ -21,7 +21,7 @@
 //! are T e of those before it, about what was found, which has bent attitude and velocity less ([`super::bending`]): they go back by T^-1 e, D by T^-1 D T and N by T^-1 N T^-T.
 //!
 //! Phi turns rates by the filter's attitude. Where that is less certain than first order bears, or would be better known without what came
-//! later, nothing goes back: what was before is known by what came until then.
+//! later, or where velocities are counted anew, nothing goes back: what was before is known by what came until then.
 //!
 //! A recording's states are too many for the memory, 9 kB each. What goes back is kept from segment to segment, and a segment's states are
 //! made when they are wanted.
@@ -90,6 +90,8 @@ struct Step {
     updates: Vec<Update>,
     filtered: ErrorCovariance,
     channels: Channels,
+    /// Velocities are counted from here: those of later have nothing to do with what was before.
+    tared: bool,
     lost: bool,
 }
 
@@ -171,6 +173,7 @@ fn carried(segment: &Segment<'_>) -> Vec<Step> {
         filter.advance_by(&passed.block, &transition);
         let predicted = *filter.covariance();
         let mut updates = Vec::new();
+        let mut tared = false;
         while let Some((_, event)) = events.next_if(|(block, _)| *block == segment.first + number) {
             match event {
                 Event::Measured(measurement) => {
@@ -181,6 +184,10 @@ fn carried(segment: &Segment<'_>) -> Vec<Step> {
                     updates.extend(update);
                 }
                 Event::Doubted => filter.doubt(),
+                Event::Tared(deviation_m_s) => {
+                    filter.tare_velocity(*deviation_m_s);
+                    tared = true;
+                }
             }
         }
         steps.push(Step {
@@ -189,6 +196,7 @@ fn carried(segment: &Segment<'_>) -> Vec<Step> {
             updates,
             filtered: *filter.covariance(),
             channels,
+            tared,
             lost: filter.is_lost(),
         });
     }
@@ -223,7 +231,7 @@ impl Backwards {
         for update in step.updates.iter().rev() {
             self.take_back(update);
         }
-        if attitude_variance(&step.predicted) > FIRST_ORDER_RAD * FIRST_ORDER_RAD {
+        if step.tared || attitude_variance(&step.predicted) > FIRST_ORDER_RAD * FIRST_ORDER_RAD {
             *self = Self::nothing();
         } else {
             self.carry(step);

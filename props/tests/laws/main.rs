@@ -24,6 +24,7 @@ mod rank;
 mod round_trip;
 mod runs;
 mod search;
+mod steady;
 mod stiffness_bias;
 mod stiffness_bound;
 mod symmetry;

@@ -189,7 +189,9 @@ impl Aided {
             summary.attitude.count(self.decoder.aid_of(&fix.aid, &then));
         }
         if let Some(rest) = self.rests.as_mut().and_then(|rests| rests.push(block)) {
-            summary.rest.count(self.decoder.aid(&rest));
+            let taken = self.decoder.aid(&rest);
+            summary.rest.count(taken);
+            summary.steady.count(taken, time_s);
         }
         if let Some(velocity) = &mut self.velocity
             && time_s >= velocity.next_s

@@ -247,10 +247,12 @@ impl AttitudeStream {
         }
         let AttitudeSummary {
             rest,
+            steady,
             velocity,
             attitude,
             ..
         } = self.summary;
+        self.messages.extend(steady.sentence());
         for (what, used) in [
             ("rests", rest),
             ("velocities", velocity),
@@ -269,7 +271,8 @@ impl AttitudeStream {
                 ));
             }
         }
-        if self.looks_for_rests() && rest.taken + rest.refused == 0 {
+        let like_rests = rest.taken + rest.refused + steady.turns + steady.cruises;
+        if self.looks_for_rests() && like_rests == 0 {
             self.messages.push(
                 "no rest was found: nine channels nowhere show nothing but noise for a quarter of a second (--aid rest)".to_owned(),
             );

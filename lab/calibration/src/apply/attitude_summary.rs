@@ -1,6 +1,6 @@
 //! What became of the attitude of a recording: how well it was known, and what was used to keep it.
 
-use sixaxis_core::aided::{Bound, Deviations};
+use sixaxis_core::aided::{Bound, Deviations, Taken};
 
 /// Measurements of a kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
@@ -15,12 +15,48 @@ pub struct Used {
 }
 
 impl Used {
-    pub(super) fn count(&mut self, taken: bool) {
-        if taken {
-            self.taken += 1;
-        } else {
-            self.refused += 1;
+    pub(super) fn count(&mut self, taken: Taken) {
+        match taken {
+            Taken::Used => self.taken += 1,
+            Taken::Refused => self.refused += 1,
+            Taken::Turn | Taken::Cruise => {}
         }
+    }
+}
+
+/// What looks like a rest, and is a motion that goes on as it is: rate or velocity are known to be other than zero.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+pub struct SteadyMotion {
+    /// Quarters of a second of a steady turn about the plumb line: at most the rate across it was taken for zero.
+    pub turns: u64,
+    /// Of a motion at constant velocity: only the rate was taken for zero.
+    pub cruises: u64,
+    /// Time of the first, s.
+    pub first_s: Option<f64>,
+}
+
+impl SteadyMotion {
+    pub(super) fn count(&mut self, taken: Taken, time_s: f64) {
+        match taken {
+            Taken::Turn => self.turns += 1,
+            Taken::Cruise => self.cruises += 1,
+            Taken::Used | Taken::Refused => return,
+        }
+        self.first_s.get_or_insert(time_s);
+    }
+
+    /// What is to be said of it, if there was any.
+    pub(super) fn sentence(&self) -> Option<String> {
+        let first_s = self.first_s?;
+        let all = self.turns + self.cruises;
+        let what = match (self.turns, self.cruises) {
+            (_, 0) => "a steady turn about the plumb line",
+            (0, _) => "a motion at constant velocity",
+            _ => "steady turns about the plumb line and motions at constant velocity",
+        };
+        Some(format!(
+            "{all} times a quarter of a second looks like a rest and was taken for {what}, first at {first_s:.2} s: nine channels are constant in both, and what is known of rate and velocity contradicts a rest. If the sensor stood still there, that knowledge is wrong, and the heading with it (--aid rest)"
+        ))
     }
 }
 
@@ -47,6 +83,8 @@ pub struct AttitudeSummary {
     pub unknown_rows: u64,
     /// Rests, each of a quarter of a second.
     pub rest: Used,
+    /// What looks like one and is none.
+    pub steady: SteadyMotion,
     /// Of a bounded velocity.
     pub velocity: Used,
     /// Of attitudes from a file.
