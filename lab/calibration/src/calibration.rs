@@ -183,6 +183,9 @@ impl PropagatedCovariance {
 pub struct Provenance {
     /// Version of this program.
     pub sixaxis_version: String,
+    /// Acceleration of free fall that the session states, m/s^2.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gravity_m_s2: Option<f64>,
     /// The session file's text, whole.
     pub session: String,
     /// Recordings with their sizes, bytes.

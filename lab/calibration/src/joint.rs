@@ -184,5 +184,6 @@ pub(crate) fn fit_trials(
         estimate,
         recordings,
         knowledge.accelerometer_gain_limit,
+        knowledge.gravity_deviation,
     ))
 }

@@ -8,7 +8,6 @@ use crate::error::Result;
 use crate::series::median;
 use sixaxis_recordings::ingest::readings::{self, Readings};
 use sixaxis_recordings::session::{Entry, Role, Session, SessionFile};
-use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 /// What the analysis sees of one recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,7 +116,7 @@ impl Trial {
                     .down
                     .map_or(-direction, |down| DVec3::from_array(down).normalize());
                 let frequency_hz = entry.frequency_hz.unwrap_or_default();
-                (direction, down * STANDARD_GRAVITY_M_S2, frequency_hz)
+                (direction, down * session.gravity_m_s2(), frequency_hz)
             }
         };
         Self {

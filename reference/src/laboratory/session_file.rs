@@ -63,6 +63,7 @@ pub fn session(
             // A tilt evenly spread up to its largest, towards anywhere: each of two angles has a sixth of its square.
             wedge_deg: (plan.rig.wedge_error_deg > 0.0)
                 .then(|| tidy(plan.rig.wedge_error_deg / 6.0_f64.sqrt())),
+            gravity_m_s2: Some(paper::GRAVITY_M_S2),
         }),
         channels: Channels::default(),
         preprocessing: Preprocessing {

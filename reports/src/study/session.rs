@@ -74,13 +74,15 @@ pub fn session() -> Result<Session> {
         class_percent = {percent:?}
         bandwidth_hz = {GYROSCOPE_BANDWIDTH_HZ:?}
         [rig]
-        wedge_deg = {:?}",
+        wedge_deg = {:?}
+        gravity_m_s2 = {:?}",
         1e3 * geometry.limb_length_m,
         1e3 * geometry.half_edge_m,
         design.scale_per_mass_per_kg[0],
         design.inertia_per_mass.to_paper_order().map(|i| 1e6 * i),
         design.stiffness_per_mass_per_s2,
         sixaxis_calibration::joint::WEDGE_DEG,
+        sixaxis_reference::paper::GRAVITY_M_S2,
     ))?)
 }
 

@@ -124,7 +124,9 @@ impl Setup {
                 if !(down.length().is_finite() && down.length() > 1e-6) {
                     bail!("{key}: {down} has no direction");
                 }
-                down.normalize() * STANDARD_GRAVITY_M_S2
+                let stated = session.and_then(|file| file.session.stated_gravity_m_s2());
+                let of_the_day = calibration.provenance.gravity_m_s2;
+                down.normalize() * stated.or(of_the_day).unwrap_or(STANDARD_GRAVITY_M_S2)
             }
             None => {
                 notes.push(

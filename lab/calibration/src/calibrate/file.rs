@@ -37,6 +37,7 @@ pub(super) fn to_file(
         channels: file.session.channels.clone(),
         provenance: Provenance {
             sixaxis_version: env!("CARGO_PKG_VERSION").to_owned(),
+            gravity_m_s2: file.session.stated_gravity_m_s2(),
             session: file.text.clone(),
             recordings: file
                 .session

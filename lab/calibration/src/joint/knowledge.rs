@@ -19,11 +19,16 @@ pub(super) const TIME_CONSTANT: f64 = 0.1;
 pub struct Knowledge {
     /// Largest relative gain error of the accelerometer.
     pub accelerometer_gain_limit: f64,
+    /// Relative standard deviation of gravity, which may tell that gain.
+    pub gravity_deviation: f64,
     /// Delays of accelerometer and gyroscope that were undone as the recordings were read, s.
     pub undone_delay_s: [f64; 2],
     /// The mathematics' part.
     pub certificates: Certificates,
 }
+
+/// Relative deviation of gravity at any laboratory from the standard one, at most.
+const GRAVITY_LIMIT: f64 = 3e-3;
 
 impl Knowledge {
     /// What a session file says.
@@ -48,6 +53,10 @@ impl Knowledge {
                     .gain_percent
                     .unwrap_or(accelerometer.class_percent),
             ),
+            gravity_deviation: match session.stated_gravity_m_s2() {
+                Some(_) => 0.0,
+                None => GRAVITY_LIMIT / 3.0_f64.sqrt(),
+            },
             undone_delay_s: [accelerometer.delay_ms, gyroscope.delay_ms]
                 .map(|delay_ms| 1e-3 * delay_ms.unwrap_or(0.0)),
             certificates: Certificates {

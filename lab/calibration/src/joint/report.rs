@@ -12,6 +12,11 @@ use crate::gain_prior::BoundedGain;
 /// 1/(k/m) whose standard deviation is below this share of it is known; what is below a tenth is a measurement.
 const COMPLIANCE_KNOWN: f64 = 0.1;
 
+/// Information on a gain that gravity tells, of which gravity itself has this relative deviation.
+fn with_uncertain_gravity(information: f64, deviation: f64) -> f64 {
+    information / (1.0 + information * deviation * deviation)
+}
+
 /// Rows and columns of the 25.
 type Square = SMatrix<f64, PARAMETERS, PARAMETERS>;
 /// Those of the scale factors.
@@ -45,13 +50,17 @@ impl JointReport {
         estimate: JointEstimate,
         recordings: Vec<String>,
         accelerometer_gain_limit: f64,
+        gravity_deviation: f64,
     ) -> Self {
         let misfit = Misfit::of(&estimate);
         let wider = misfit.wider();
         let gain = BoundedGain {
             limit: accelerometer_gain_limit,
             seen: estimate.accelerometer_gain_seen,
-            information: estimate.accelerometer_gain_information / (wider * wider),
+            information: with_uncertain_gravity(
+                estimate.accelerometer_gain_information / (wider * wider),
+                gravity_deviation,
+            ),
         };
         let slopes = estimate.slopes();
         let covariance = with_moved(&estimate, noise_covariance(&estimate, wider));

@@ -231,6 +231,7 @@ const RIG: Rig = Rig {
     stroke_mm: Some(2e3 * TRAVEL_M),
     rotation_amplitude_deg: Some(TURN_RAD * 180.0 / PI),
     wedge_deg: None,
+    gravity_m_s2: None,
 };
 
 /// A standard without error.

@@ -404,6 +404,21 @@ fn inv_the_mass_s_centre_is_told_and_kept() {
     assert_eq!(report_of(fit).nuisances().room.mass_centre_m, None);
 }
 
+/// Gravity tells the gain no better than it is known itself: a level rig at the equator was 16 half widths off.
+#[test]
+fn inv_a_gain_is_told_no_better_than_gravity_is_known() {
+    let told = |gravity_deviation: f64| {
+        let fit = JointEstimate {
+            accelerometer_gain_information: 1e8,
+            ..estimate()
+        };
+        let report = JointReport::new(fit, vec!["a".to_owned()], LIMIT, gravity_deviation);
+        report.gain.deviation()
+    };
+    close("gravity as stated", told(0.0), 1e-4, QUADRATURE);
+    close("to 0.1 %", told(1e-3), 1e-3_f64.hypot(1e-4), QUADRATURE);
+}
+
 #[test]
 fn inv_instruments_are_told_in_their_own_units() {
     let mut fit = estimate();
@@ -448,7 +463,7 @@ fn inv_instruments_are_told_in_their_own_units() {
 fn report_of(fit: JointEstimate) -> JointReport {
     let names = ('a'..='z').take(fit.trials.len()).map(String::from);
     let names = names.collect();
-    JointReport::new(fit, names, LIMIT)
+    JointReport::new(fit, names, LIMIT, 0.0)
 }
 
 /// Cause, recordings and channels of a finding.

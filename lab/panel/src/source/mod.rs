@@ -24,7 +24,6 @@ use glam::DVec3;
 use serde::Serialize;
 use sixaxis_core::LIMBS;
 use sixaxis_recordings::session::{Entry, Session};
-use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
 use crate::columns::Batch;
 use crate::control::Command;
@@ -82,7 +81,7 @@ impl Begin {
         let gains = entry.gain_n_per_v.unwrap_or(session.sensor.gain_n_per_v);
         let down = entry.down.or(entry.direction.map(|d| d.map(|x| -x)));
         let gravity_ground_m_s2 = down.map_or(DVec3::ZERO, |down| {
-            DVec3::from_array(down).normalize_or_zero() * STANDARD_GRAVITY_M_S2
+            DVec3::from_array(down).normalize_or_zero() * session.gravity_m_s2()
         });
         Self {
             gain_n_per_v: gains.each(),

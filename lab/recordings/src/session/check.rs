@@ -93,6 +93,11 @@ impl Session {
                 format!("{wedge}: must be from 0 to below {WEDGE_LIMIT_DEG}")
             })?;
         }
+        if let Some(gravity) = self.stated_gravity_m_s2() {
+            require((9.7..9.9).contains(&gravity), "rig.gravity_m_s2", || {
+                format!("{gravity}: on earth it is 9.76 to 9.84 m/s^2")
+            })?;
+        }
         check_gains("sensor.gain_n_per_v", &sensor.gain_n_per_v)?;
         for (key, length_mm) in [
             ("sensor.limb_length_mm", sensor.limb_length_mm),

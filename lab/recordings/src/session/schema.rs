@@ -8,6 +8,7 @@ use super::entry::Entry;
 use super::preprocessing::Preprocessing;
 use super::sensor::SensorCard;
 use super::standards::{Accelerometer, Gyroscope, Rig};
+use crate::unit::STANDARD_GRAVITY_M_S2;
 
 /// A session: one sensor, two standard instruments, a folder of recordings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -36,6 +37,20 @@ pub struct Session {
     pub limits: Limits,
     /// The recordings.
     pub recording: Vec<Entry>,
+}
+
+impl Session {
+    /// Acceleration of free fall, m/s^2, as stated or the standard one.
+    #[must_use]
+    pub fn gravity_m_s2(&self) -> f64 {
+        self.stated_gravity_m_s2().unwrap_or(STANDARD_GRAVITY_M_S2)
+    }
+
+    /// As stated.
+    #[must_use]
+    pub fn stated_gravity_m_s2(&self) -> Option<f64> {
+        self.rig.as_ref()?.gravity_m_s2
+    }
 }
 
 /// What is asked of a good calibration.

@@ -61,4 +61,8 @@ pub struct Rig {
     /// estimator finds the angles themselves.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wedge_deg: Option<f64>,
+    /// Acceleration of free fall where the rig stands, m/s^2, to 0.01 %. Left out: 9.80665, from which places differ by up to 0.3 %, so that
+    /// gravity, where it turns in the sensor, says no more of the accelerometer's gain than that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gravity_m_s2: Option<f64>,
 }

@@ -152,6 +152,12 @@ fn refusals_name_line_and_key() {
         ),
         (
             "stroke_mm = 186.0",
+            "gravity_m_s2 = 980.6",
+            "rig.gravity_m_s2",
+            "stroke_mm",
+        ),
+        (
+            "stroke_mm = 186.0",
             "wedge_deg = 45.0",
             "rig.wedge_deg",
             "stroke_mm",
