@@ -196,6 +196,18 @@ pub enum Error {
         /// What it does not determine.
         directions: UnobservableDirections,
     },
+    /// A fit that is far from accounting for what it is given and hardly gets nearer.
+    #[error(
+        "{what} leaves {over_noise:.1} times what noise does after {iterations} iterations, and was given up: what was recorded is not of this model"
+    )]
+    Unaccounted {
+        /// The fit.
+        what: &'static str,
+        /// After which it was given up.
+        iterations: usize,
+        /// Root mean square of what it leaves, over that of noise.
+        over_noise: f64,
+    },
     /// An iteration did not settle within its cap.
     #[error("{what} did not converge in {iterations} iterations")]
     NotConverged {
@@ -207,6 +219,19 @@ pub enum Error {
 }
 
 impl Error {
+    /// [`Self::Unaccounted`].
+    pub(crate) const fn unaccounted(
+        what: &'static str,
+        iterations: usize,
+        over_noise: f64,
+    ) -> Self {
+        Self::Unaccounted {
+            what,
+            iterations,
+            over_noise,
+        }
+    }
+
     /// [`Self::OutOfRange`].
     pub(crate) const fn out_of_range(
         name: &'static str,

@@ -282,7 +282,7 @@ impl Joint {
     /// Fits everything, starting from the given parameters.
     ///
     /// # Errors
-    /// [`Error::Indeterminate`] names an unknown that the trials leave open; [`Error::NotConverged`]; the errors of
+    /// [`Error::Indeterminate`] names an unknown that the trials leave open; [`Error::NotConverged`]; [`Error::Unaccounted`]; the errors of
     /// [`Parameters::validate`] for a start that is no sensor's.
     pub fn fit(&self, start: &Parameters) -> Result<JointEstimate> {
         Ok(self.fit_trials(start)?.0)

@@ -29,8 +29,7 @@ const HOPELESS: f64 = 10.0;
 const HOPE: usize = 8;
 /// Sets of spreads at most.
 const ROUNDS: usize = 20;
-/// A step whose square, measured in the estimate's own covariance, is below this changes nothing that could be told: a
-/// thousandth of a standard deviation.
+/// A step whose square in the estimate's own covariance is below this changes nothing that could be told: a thousandth of a deviation.
 const SETTLED: f64 = 1e-6;
 /// The same where nothing is accounted for: a tenth of the deviations that the squares make of the estimate's own.
 const SETTLED_HOPELESS: f64 = 1e-2;
@@ -207,6 +206,10 @@ pub(super) fn refit(
         let end = iterate(&campaign, at, LIMITS)?;
         steps += end.steps;
         if end.outcome != Outcome::Converged {
+            let left = campaign.squares_per_degree(&end.at);
+            if left > HOPELESS {
+                return Err(Error::unaccounted(WHAT, steps, sqrt(left)));
+            }
             break;
         }
         let before = campaign.spreads;
