@@ -103,8 +103,9 @@ impl History {
     pub(super) fn is_white_beside(&self, direction: &[f64; ROWS], misfit: &Misfit<'_>) -> bool {
         let all: f64 = (0..ROWS).map(|i| self.lagged[i][i]).sum();
         let beside = all - self.lagged_along(direction);
-        let n = self.samples as f64 * (ROWS - 1) as f64;
-        beside < WHITE * sqrt(n) + misfit.allowed_beside(direction)
+        let rows = misfit.rows_beside();
+        let n = self.samples as f64 * rows as f64;
+        rows == 0 || beside < WHITE * sqrt(n) + misfit.allowed_beside(direction)
     }
 
     /// Sum of squares of a channel's departures from its mean.
@@ -158,5 +159,48 @@ impl History {
             Some(channel) if n > 0.0 => (channel.rough - n) / sqrt(ROUGH_SPREAD * n),
             _ => 0.0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::redundancy::fault::class::CLASS_OF;
+    use crate::redundancy::fault::window::Window;
+
+    #[test]
+    fn relations_that_are_left_say_how_much_is_white_beside() {
+        const SAMPLES: usize = 100;
+        let whole = RowNoise::from_channels(&[1.0; LIMBS]).expect("noise");
+        for (gone, left) in [(&[5][..], 1.0), (&[], 2.0)] {
+            let gone = LimbSet::from_numbers(gone.iter().copied()).expect("limbs");
+            let noise = whole.without(gone);
+            let direction = noise.direction(CLASS_OF[8]);
+            let beside = [-direction[1], direction[0], 0.0];
+            let length = sqrt(dot(&beside, &beside));
+            for (times, white) in [(0.95, true), (1.05, false)] {
+                let products = times * WHITE * sqrt(left * SAMPLES as f64);
+                let size = sqrt(products / (SAMPLES - 1) as f64) / length;
+                let mut history = History::default();
+                for _ in 0..SAMPLES {
+                    history.push(&noise, &beside.map(|x| size * x), &[0.0; LIMBS]);
+                }
+                let window = Window::default();
+                let misfit = Misfit::new(&noise, &window, None);
+                assert_eq!(
+                    history.is_white_beside(direction, &misfit),
+                    white,
+                    "{left} relations, {times}"
+                );
+            }
+        }
+        // Where one relation is left there is nothing beside, and no rounding of it either.
+        let noise = whole.without(LimbSet::from_numbers([5, 9]).expect("limbs"));
+        let mut history = History::default();
+        history.push(&noise, &[1.0, 1.0, 0.0], &[0.0; LIMBS]);
+        history.push(&noise, &[1.0, 1e9, 0.0], &[0.0; LIMBS]);
+        let window = Window::default();
+        let misfit = Misfit::new(&noise, &window, None);
+        assert!(history.is_white_beside(&[1.0, 0.0, 0.0], &misfit));
     }
 }

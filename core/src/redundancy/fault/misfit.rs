@@ -76,11 +76,16 @@ impl<'a> Misfit<'a> {
         self.is_quiet(self.window.along(direction), self.added_along(direction), 1)
     }
 
+    /// Relations that a failure along a unit vector leaves.
+    pub const fn rows_beside(&self) -> usize {
+        self.noise.relations().saturating_sub(1)
+    }
+
     /// Whether the rows less a failure along a unit vector, of whatever course, are noise.
     pub fn is_quiet_beside(&self, direction: &[f64; ROWS]) -> bool {
         let left = less(self.window.all(), self.window.along(direction));
         let added = less(self.added(), self.added_along(direction));
-        let rows = self.noise.relations().saturating_sub(1);
+        let rows = self.rows_beside();
         rows == 0 || self.is_quiet(left, added, rows)
     }
 
