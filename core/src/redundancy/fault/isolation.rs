@@ -29,6 +29,9 @@ pub const ACCEPTED: f64 = 9.2;
 const FAR_BEYOND: f64 = 2.0;
 /// Cosine from which two directions are one.
 const ALIKE: f64 = 1.0 - 1e-9;
+/// Cosine from which the same voltage on all channels is no rival of a limb. Without limb 1, 5 or 9 its direction is nearly that of the pair
+/// whose relation is left whole, and no failure of that pair would be isolated.
+const TOO_NEAR: f64 = 0.95;
 /// Samples from one look at the hypotheses to the next. Channels that stand still have shown it by the first.
 const LOOK: u64 = 32;
 /// Samples after the alarm at which the statistics begin anew if nothing is decided by then.
@@ -95,20 +98,20 @@ impl Isolation {
         origin
     }
 
-    /// Begins with the window that raised the alarm, or with its sample; `zero_sd` are errors of the zeros in the channels' noise, `common`
-    /// what the same voltage on all channels makes of the whitened rows.
+    /// Begins with the window that raised the alarm, or with its sample: whitened rows and strains counted from rest; `zero_sd` are errors of
+    /// the zeros in the channels' noise, `common` what the same voltage on all channels makes of the whitened rows.
     pub fn new(
         alarm: Alarm,
         origin: Origin,
         detector: &Detector,
-        z: &[f64; ROWS],
+        (z, from_rest): (&[f64; ROWS], &[f64; LIMBS]),
         zero_sd: [f64; LIMBS],
         common: &[f64; ROWS],
     ) -> Self {
         let noise = detector.noise();
         let mut window = detector.window_of(alarm.test);
         if window.rows.samples() == 0 {
-            window.rows.push(z);
+            window.push(z, from_rest);
         }
         let before = likelihood(noise, &window.rows);
         let common = unit(common);
@@ -247,8 +250,7 @@ impl Isolation {
         let is_all = self.along_before[one.class]
             && misfit.is_all_along(direction)
             && self.history.is_white_beside(direction, &misfit);
-        // Where one relation is left, all show alike.
-        let common = self.common.filter(|d| dot(d, direction).abs() < ALIKE);
+        let common = self.common.filter(|d| dot(d, direction).abs() < TOO_NEAR);
         let common = common.map_or(f64::NEG_INFINITY, |d| {
             self.common_before + likelihood_along(&d, &self.window.rows)
         });

@@ -20,6 +20,7 @@
 //! | [`isolation`] | the sequence of decisions after an alarm: hypotheses, kind, limb |
 //! | [`verdict`] | events, and the result of an isolation |
 //! | [`recovery`] | when a failure is over |
+//! | `untold` | a failure of which it cannot be told which limbs it is |
 //! | [`settings`] | what the monitor is told of noise and of calibration's errors |
 //! | [`monitor`] | all of it as a stream |
 
@@ -41,6 +42,7 @@ mod silent;
 pub mod step;
 mod strains;
 pub mod swap;
+mod untold;
 pub mod verdict;
 mod window;
 

@@ -13,6 +13,7 @@ use super::recovery::Recovery;
 use super::silent::Before;
 use super::step::Ring;
 use super::strains::Strains;
+use super::untold::Untold;
 use super::verdict::{Kind, Verdict};
 use crate::error::Result;
 use crate::geometry::LIMBS;
@@ -59,8 +60,8 @@ pub struct Monitor {
     /// Limbs that have failed, and limbs of which one has.
     failed: LimbSet,
     open: LimbSet,
-    /// Of a failure of which it cannot be told which limbs it is, and samples without an alarm since.
-    untold: Option<(Origin, u64)>,
+    /// A failure of which it cannot be told which limbs it is.
+    untold: Option<Untold>,
     recovery: Recovery,
     received: u64,
 }
@@ -177,7 +178,7 @@ impl Monitor {
         let z = self.whole.noise().whiten(&residual(&strain, self.nu));
         let from_rest = self.strains.counted_from_rest(&strain);
         let alarm = self.whole.first_alarm(&z, &from_rest)?;
-        self.begin(alarm, &z)
+        self.begin(alarm, (&z, &from_rest))
     }
 
     /// Limbs that the relations that are watched do not contain.
@@ -190,10 +191,7 @@ impl Monitor {
     fn attend(&mut self, voltage_v: &[f64; LIMBS], mut strain: [f64; LIMBS]) -> Option<Event> {
         let sample = self.received.saturating_sub(1);
         let unreadable = (0..LIMBS)
-            .filter(|&limb| {
-                let borne = strain[limb].abs() < OVERSTRAIN;
-                !borne
-            })
+            .filter(|&limb| strain[limb].is_nan() || strain[limb].abs() >= OVERSTRAIN)
             .fold(LimbSet::EMPTY, LimbSet::with);
         let silent = unreadable.minus(self.failed);
         if !silent.is_empty() {
@@ -222,16 +220,12 @@ impl Monitor {
     #[cold]
     fn fail_held(&mut self, limbs: LimbSet, voltage_v: &[f64; LIMBS]) -> Event {
         let since = self.held.since(limbs, self.received.saturating_sub(1));
-        let at_zero = |limb: usize| {
-            let zero = AT_ZERO * (1.0 + self.zero_sd[limb]);
-            voltage_v[limb] == 0.0 || self.signal(limb, voltage_v[limb]).abs() < zero
+        let stuck = |limb: &usize| {
+            let signal = self.signal(*limb, voltage_v[*limb]).abs();
+            voltage_v[*limb] != 0.0 && signal >= AT_ZERO * (1.0 + self.zero_sd[*limb])
         };
-        let kind = if limbs.indices().all(at_zero) {
-            Kind::Dead
-        } else {
-            Kind::Stuck
-        };
-        self.fail(limbs, kind, since)
+        let kind = limbs.indices().find(stuck).map(|_| Kind::Stuck);
+        self.fail(limbs, kind.unwrap_or(Kind::Dead), since)
     }
 
     /// Limbs have failed by what their channels show, whatever the rows say.
@@ -287,19 +281,15 @@ impl Monitor {
     /// Begins an isolation. A failure of which it could not be told which limbs it is goes on: that is no new alarm.
     #[cold]
     #[inline(never)]
-    fn begin(&mut self, mut alarm: Alarm, z: &[f64; ROWS]) -> Option<Event> {
+    fn begin(&mut self, mut alarm: Alarm, sample: (&[f64; ROWS], &[f64; LIMBS])) -> Option<Event> {
         alarm.sample = self.received.saturating_sub(1);
         let since = (alarm.sample + 1).saturating_sub(alarm.test.samples());
-        let origin = match &mut self.untold {
-            Some((origin, quiet)) => {
-                *quiet = 0;
-                *origin
-            }
-            None => Origin {
-                since: (since, alarm.sample),
-                before: Before::new(&self.ring, since, |limb, v| self.signal(limb, v)),
-            },
-        };
+        self.untold.iter_mut().for_each(Untold::alarmed);
+        let goes_on = self.untold.and_then(Untold::goes_on);
+        let origin = goes_on.unwrap_or_else(|| Origin {
+            since: (since, alarm.sample),
+            before: Before::new(&self.ring, since, |limb, v| self.signal(limb, v)),
+        });
         let gone = self.gone();
         let detector = if gone.is_empty() {
             &self.whole
@@ -312,11 +302,11 @@ impl Monitor {
             alarm,
             origin,
             detector,
-            z,
+            sample,
             self.zero_sd,
             &common,
         ));
-        self.untold.is_none().then_some(Event::Alarm(alarm))
+        goes_on.is_none().then_some(Event::Alarm(alarm))
     }
 
     /// The relations that are watched, tested or looked into.
@@ -331,7 +321,7 @@ impl Monitor {
         let z = detector.noise().whiten(&residual(strain, self.nu));
         let State::Isolating(isolation) = &mut self.state else {
             return match detector.first_alarm(&z, &from_rest) {
-                Some(alarm) => self.begin(alarm, &z),
+                Some(alarm) => self.begin(alarm, (&z, &from_rest)),
                 None => self.is_untold_over(),
             };
         };
@@ -361,10 +351,12 @@ impl Monitor {
     /// Draws the consequences of an event.
     #[cold]
     fn settle(&mut self, event: Event, origin: Origin) -> Option<Event> {
+        let is_new = self.untold.and_then(Untold::goes_on).is_none();
         let told = match &event {
-            Event::Dismissed => self.untold.is_none(),
+            Event::Dismissed => is_new,
             Event::Identified(verdict) if verdict.limbs.is_empty() => {
-                self.untold.replace((origin, 0)).is_none()
+                self.untold = Some(Untold::new(self.untold, verdict.kind, origin));
+                is_new
             }
             Event::Identified(verdict) => {
                 self.untold = None;
@@ -384,12 +376,8 @@ impl Monitor {
 
     /// A failure of which it could not be told which limbs it is may pass.
     fn is_untold_over(&mut self) -> Option<Event> {
-        let (_, quiet) = self.untold.as_mut()?;
-        *quiet += 1;
-        if *quiet < QUIET {
-            return None;
-        }
-        self.untold = None;
-        Some(Event::Quiet)
+        let is_over = self.untold.as_mut().is_some_and(Untold::is_over);
+        self.untold = self.untold.filter(|_| !is_over);
+        is_over.then_some(Event::Quiet)
     }
 }
