@@ -23,9 +23,10 @@ const OF_THE_RUN: f64 = 0.35;
 /// off its zero.
 const OFF_ZERO: f64 = 6.0;
 const OFF_ZERO_OF_RANGE: f64 = 2e-5;
-/// Time for which a channel that stands still at the beginning is averaged, at most, s, and standard deviations of a period's mean by which it
-/// stands.
-const BEGINNING_S: f64 = 0.25;
+/// Periods over which a channel that stands still at the beginning is averaged, five of 50 Hz and six of 60 Hz, how often at most, and standard
+/// deviations by which such a mean differs from the one before where it stands.
+const AVERAGED: usize = 5;
+const AVERAGES: usize = 2;
 const STANDS: f64 = 4.0;
 /// Of so many places one is looked at.
 const EVERY: usize = 4;
@@ -73,7 +74,7 @@ impl Ends {
             }),
             noise_v: noise_v.map_or([0.0; LIMBS], |known| known.channel_noise_v),
             full_scale_v: setup.full_scale_v,
-            remembered: kept.max((BEGINNING_S * sample_rate_hz) as usize),
+            remembered: AVERAGES * AVERAGED * kept / 2,
             first: Vec::new(),
             last: Vec::new(),
             most_v: [0.0; LIMBS],
@@ -173,37 +174,36 @@ impl Ends {
         ))
     }
 
-    /// That channels of limbs that are not `excluded` begin off their zeros, in a recording that does not begin in motion.
+    /// That channels of limbs that are not `excluded` begin off their zeros, in a recording that does not begin in motion; none in one that is
+    /// too short for means in which hum of 50 and of 60 Hz cancels.
     #[must_use]
     pub fn begins_off_zero(&self, excluded: LimbSet) -> Option<String> {
-        if self.first.len() < self.kept || self.changing(&self.first[..self.kept]).is_some() {
+        let half = self.kept / 2;
+        if self.first.len() < AVERAGED * half || self.changing(&self.first[..self.kept]).is_some() {
             return None;
         }
-        let half = self.kept / 2;
-        let mean_v = |rows: &[Row], limb: usize| {
-            rows.iter().map(|row| row[limb]).sum::<f64>() / rows.len() as f64
-        };
         let off = |limb: usize| {
-            let at_first_v = mean_v(&self.first[..half], limb);
-            let squares = self.first[..half]
-                .iter()
-                .map(|row| (row[limb] - at_first_v).powi(2));
-            // A low-pass takes noise off the samples, and not off their mean.
-            let noise_v = (squares.sum::<f64>() / half as f64).sqrt();
-            let noise_v = noise_v.max(self.noise_v[limb]);
-            // As long as it stands still.
-            let stands = |rows: &&[Row]| {
-                (mean_v(rows, limb) - at_first_v).abs() < STANDS * noise_v / (half as f64).sqrt()
+            let mean_v = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+            let values: Vec<f64> = self.first.iter().map(|row| row[limb]).collect();
+            let scatter_v = |values: &[f64]| {
+                let middle_v = mean_v(values);
+                let squares = values.iter().map(|v| (v - middle_v).powi(2));
+                (squares.sum::<f64>() / (values.len() - 1) as f64).sqrt()
             };
-            let periods = self.first.chunks_exact(half).take_while(stands).count();
-            let rows = &self.first[..half * periods.max(1)];
-            let mean_sd_v = noise_v / (rows.len() as f64).sqrt();
+            // A low-pass takes noise off the samples, and not off their mean.
+            let noise_v = scatter_v(&values[..half]).max(self.noise_v[limb]) / (half as f64).sqrt();
+            let periods: Vec<f64> = values.chunks_exact(half).map(mean_v).collect();
+            // What hum and a motion that begins at rest add to the periods' means shows in how these scatter.
+            let sd_v = |periods: &[f64]| noise_v.max(scatter_v(periods));
+            let (first, second) = periods.split_at(AVERAGED);
+            let stands_v = STANDS * (2.0 / AVERAGED as f64).sqrt() * sd_v(first);
+            let stands = second.len() >= AVERAGED
+                && (mean_v(&second[..AVERAGED]) - mean_v(first)).abs() < stands_v;
+            let periods = &periods[..if stands { AVERAGES } else { 1 } * AVERAGED];
+            let mean_sd_v = sd_v(periods) / (periods.len() as f64).sqrt();
             let least_v = OFF_ZERO * self.zero_sd_v[limb].hypot(mean_sd_v);
-            let off_v = mean_v(rows, limb) - self.zero_v[limb];
-            // A motion that begins at rest moves a channel further from one period to the next than it has by then.
-            let moved_v = mean_v(&rows[rows.len() - half..], limb) - at_first_v;
-            let is_off = off_v.abs() > least_v.max(OFF_ZERO_OF_RANGE * self.full_scale_v)
-                && off_v.abs() > 2.0 * moved_v.abs();
+            let off_v = mean_v(periods) - self.zero_v[limb];
+            let is_off = off_v.abs() > least_v.max(OFF_ZERO_OF_RANGE * self.full_scale_v);
             is_off.then_some((limb, off_v))
         };
         let off: Vec<(usize, f64)> = (0..LIMBS)
@@ -232,5 +232,65 @@ impl Ends {
             change_v.abs(),
             1e3 * self.kept_s
         ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOISE_V: f64 = 7e-3;
+
+    /// Channels at rest at their zeros but for an offset of limb 4, with white noise and hum of 60 Hz of any phase.
+    fn said(rate_hz: f64, hum_v: f64, off_v: f64) -> Option<String> {
+        let kept = 2 * (PERIOD_S * rate_hz) as usize;
+        let mut ends = Ends {
+            kept,
+            kept_s: 2.0 * PERIOD_S,
+            least_v: [DEVIATIONS * NOISE_V; LIMBS],
+            zero_v: [0.1; LIMBS],
+            zero_sd_v: [1e-5; LIMBS],
+            noise_v: [NOISE_V; LIMBS],
+            full_scale_v: 10.0,
+            remembered: AVERAGES * AVERAGED * kept / 2,
+            first: Vec::new(),
+            last: Vec::new(),
+            most_v: [0.0; LIMBS],
+            phase: 0,
+            sums_v: Default::default(),
+        };
+        // Twelve uniform numbers less six are nearly normal.
+        let mut state = 1_u64;
+        let mut uniform = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let columns: [Vec<f64>; LIMBS] = core::array::from_fn(|limb| {
+            let value = |sample: usize| {
+                let normal = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+                let turns = 60.0 * sample as f64 / rate_hz + limb as f64 / LIMBS as f64;
+                let hum_v = hum_v * (core::f64::consts::TAU * turns).sin();
+                let off_v = if limb == 3 { off_v } else { 0.0 };
+                0.1 + off_v + hum_v + NOISE_V * normal
+            };
+            (0..(0.3 * rate_hz) as usize).map(value).collect()
+        });
+        ends.look(columns.each_ref().map(|column| &column[..]));
+        assert_eq!(ends.begins_in_motion(), None);
+        ends.begins_off_zero(LimbSet::EMPTY)
+    }
+
+    #[test]
+    fn hum_of_sixty_hertz_moves_no_zero() {
+        for (rate_hz, hum_v) in [(5e4, 0.0), (5e4, 0.05), (1e5, 0.02), (1e4, 0.05)] {
+            assert_eq!(said(rate_hz, hum_v, 0.0), None, "{rate_hz} {hum_v}");
+            let off = said(rate_hz, hum_v, 0.02).expect("a zero that has moved");
+            assert!(
+                off.contains("1 of its channels") && off.contains("limb 4 stands +"),
+                "{off}"
+            );
+        }
     }
 }
