@@ -128,9 +128,27 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         voltage_v: &[f64; LIMBS],
         filtered_v: &[f64; LIMBS],
     ) -> Result<Watched> {
+        let event = self.monitor.push(voltage_v);
+        self.answer(event, filtered_v)
+    }
+
+    /// The same of a row that does not say whether limbs have failed, see [`Monitor::pass_over`].
+    ///
+    /// # Errors
+    /// Those of [`Self::push`].
+    pub fn pass_over(
+        &mut self,
+        voltage_v: &[f64; LIMBS],
+        filtered_v: &[f64; LIMBS],
+    ) -> Result<Watched> {
+        let event = self.monitor.pass_over(voltage_v);
+        self.answer(event, filtered_v)
+    }
+
+    #[inline]
+    fn answer(&mut self, event: Option<Event>, filtered_v: &[f64; LIMBS]) -> Result<Watched> {
         let sample = self.decoupler.received();
         self.keep(sample, filtered_v);
-        let event = self.monitor.push(voltage_v);
         let mut switched = None;
         let answer = match event.and_then(|event| self.wanted(&event, sample)) {
             Some((limbs, since)) => match self.switch(limbs, since, sample) {

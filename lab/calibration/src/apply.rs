@@ -9,6 +9,7 @@
 //! | [`axis_noise`] | what the channels' noise makes of the accelerations at rest |
 //! | [`voltages`] | nine columns, as they go from file to decoder |
 //! | [`recording`] | nine voltages on one clock from a file, block by block, with what is wrong with them |
+//! | `at_limit` | which samples at the end of the converter's range are failed channels |
 //! | [`frozen`] | whether all of them stand still where they cannot |
 //! | [`conditioning_stream`] | delays, the amplifier's high-pass, a low-pass, as streams |
 //! | [`aids`] | what the user knows of the motion beside the recording |
@@ -38,6 +39,7 @@
 
 pub mod aided;
 pub mod aids;
+mod at_limit;
 pub mod attitude;
 pub mod attitude_agreement;
 pub mod attitude_summary;

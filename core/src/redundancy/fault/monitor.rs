@@ -173,12 +173,22 @@ impl Monitor {
         let borne = strain.iter().all(|x| x.abs() < OVERSTRAIN);
         let calm = matches!(self.state, State::Watching) && self.untold.is_none();
         if !borne || !calm || !self.gone().is_empty() || self.held.is_running() {
-            return self.attend(voltage_v, strain);
+            return self.attend(voltage_v, strain, true);
         }
         let z = self.whole.noise().whiten(&residual(&strain, self.nu));
         let from_rest = self.strains.counted_from_rest(&strain);
         let alarm = self.whole.first_alarm(&z, &from_rest)?;
         self.begin(alarm, (&z, &from_rest))
+    }
+
+    /// Takes nine voltages of which the rows say nothing, as of a sensor driven beyond its range: channels that stand still or are not
+    /// readable have failed as with [`Self::push`], and nothing else is tested.
+    #[cold]
+    pub fn pass_over(&mut self, voltage_v: &[f64; LIMBS]) -> Option<Event> {
+        self.received += 1;
+        self.held.push(voltage_v, self.ring.last());
+        self.ring.push(voltage_v);
+        self.attend(voltage_v, self.strains(voltage_v), false)
     }
 
     /// Limbs that the relations that are watched do not contain.
@@ -188,7 +198,12 @@ impl Monitor {
 
     /// What [`Self::push`] does where there is more to do than to test the rows.
     #[inline(never)]
-    fn attend(&mut self, voltage_v: &[f64; LIMBS], mut strain: [f64; LIMBS]) -> Option<Event> {
+    fn attend(
+        &mut self,
+        voltage_v: &[f64; LIMBS],
+        mut strain: [f64; LIMBS],
+        tested: bool,
+    ) -> Option<Event> {
         let sample = self.received.saturating_sub(1);
         let unreadable = (0..LIMBS)
             .filter(|&limb| strain[limb].is_nan() || strain[limb].abs() >= OVERSTRAIN)
@@ -214,7 +229,7 @@ impl Monitor {
             self.watch();
             return Some(Event::Quiet);
         }
-        self.test(&strain, voltage_v)
+        tested.then(|| self.test(&strain, voltage_v))?
     }
 
     #[cold]

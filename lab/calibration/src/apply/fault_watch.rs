@@ -25,6 +25,9 @@ pub struct FaultWatch {
     pub once_more: bool,
     /// Samples before a failure from which a limb is left out then: a filter spreads the failure over them.
     pub reach: u64,
+    /// Voltage at the end of the converter's range. At samples at which a channel stands there and is not NaN the sensor is driven too hard,
+    /// and what the others show is no failure.
+    pub limit_v: f64,
     /// The sample at which the last alarm was raised, as long as limbs are suspected and none has been named.
     unexplained_since: Option<u64>,
     samples: u64,
@@ -80,6 +83,7 @@ impl FaultWatch {
             found: found::Watched::default(),
             once_more: false,
             reach: 0,
+            limit_v: f64::INFINITY,
             unexplained_since: None,
             samples: 0,
         })
@@ -108,7 +112,11 @@ impl FaultWatch {
         row: &Row,
         filtered: &Row,
     ) -> sixaxis_core::Result<Option<(SixAxis, [f64; 2])>> {
-        let watched = self.stream.push_filtered(row, filtered)?;
+        let watched = if row.iter().any(|voltage_v| voltage_v.abs() >= self.limit_v) {
+            self.stream.pass_over(row, filtered)?
+        } else {
+            self.stream.push_filtered(row, filtered)?
+        };
         self.tell(&watched);
         if watched.switched.is_some() {
             let since = self.since(&watched);

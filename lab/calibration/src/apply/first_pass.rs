@@ -28,6 +28,7 @@ impl Job<'_> {
         let (config, rate_hz) = (&self.setup.conditioning, settings.sample_rate_hz);
         if let Some(watching) = &mut decoding.watching {
             watching.reach = config.reach(rate_hz);
+            watching.limit_v = recording.limit_v();
         }
         let unfiltered = ConditioningStream::new(&config.unfiltered(), rate_hz)?;
         let conditioning = unfiltered.without_cross_talk();

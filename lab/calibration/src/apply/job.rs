@@ -126,6 +126,9 @@ impl Job<'_> {
         let conditioning = self.conditioning(rate_hz, excluded.clone())?;
         let mut conditioning = conditioning.holding(&held);
         let mut decoding = self.decoding(&settings, found)?;
+        if let Some(watching) = &mut decoding.watching {
+            watching.limit_v = recording.limit_v();
+        }
         let mut coordination = self.coordination();
         let mut layout = self.layout(rate_hz);
         self.describe(path, &mut layout);

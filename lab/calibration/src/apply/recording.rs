@@ -12,6 +12,7 @@ use sixaxis_recordings::session::Channels;
 use sixaxis_recordings::{BEGAN, Layout};
 
 use super::CHUNK;
+use super::at_limit::{AtLimit, NEAR};
 use super::frozen::Frozen;
 use super::voltages::Voltages;
 
@@ -19,9 +20,6 @@ use super::voltages::Voltages;
 const PLAUSIBLE_HZ: core::ops::RangeInclusive<f64> = 20.0..=5e6;
 /// Voltages over the converter's range from which it is at its end: with twelve bits and more the last step below it is none.
 pub(super) const AT_LIMIT: f64 = 1.0 - 1.0 / 2048.0;
-/// Channels that stand at the end of the range and are failed ones for the fault monitor. Where more of them do, at once or one after another,
-/// the sensor was driven too hard: that is no failure, and the monitor could not do without them.
-const BLINDED: usize = 2;
 /// Voltages over the converter's range that did not come from it as volts.
 pub(super) const BEYOND: f64 = 1.2;
 
@@ -45,22 +43,13 @@ pub struct Recording {
     pub watched: bool,
     columns: Columns,
     frozen: Frozen,
+    at_limit: AtLimit,
+    /// Where it is watched, the samples after those that were handed over.
+    ahead: Option<Batch>,
     start_s: f64,
     /// How the file was cut short, if it was.
     cut: Option<String>,
     full_scale_v: f64,
-}
-
-/// Voltages at the end of the converter's range, which the fault monitor could take for the others' failure, become what is no number.
-fn blind(columns: &mut [Vec<f64>; LIMBS], limit_v: f64) {
-    for sample in 0..columns[0].len() {
-        let at_limit = |column: &Vec<f64>| column[sample].abs() >= limit_v;
-        let clipped = columns.iter().filter(|column| at_limit(column)).count();
-        if (1..=BLINDED).contains(&clipped) {
-            let clipped = columns.iter_mut().filter(|column| at_limit(column));
-            clipped.for_each(|column| column[sample] = f64::NAN);
-        }
-    }
 }
 
 /// Names are the session's or the calibration's, and the file may have others.
@@ -135,6 +124,8 @@ impl Recording {
             watched: false,
             columns: Columns::new(path, source, limbs, time, Some(sample_rate_hz))?,
             frozen: Frozen::default(),
+            at_limit: AtLimit::default(),
+            ahead: None,
             full_scale_v,
         })
     }
@@ -145,6 +136,32 @@ impl Recording {
     /// A file that breaks off; a value that is not a finite number, named by file, channel and sample; time stamps that do not
     /// advance, leave a gap or, by the end, contradict the rate.
     pub fn read(&mut self, batch: &mut Batch) -> Result<bool> {
+        if !self.watched {
+            return self.read_next(batch);
+        }
+        // Whether a channel at the end of the converter's range has failed is told by what the others do before and after that.
+        const { assert!(NEAR <= CHUNK as u64) };
+        let mut ahead = match self.ahead.take() {
+            Some(ahead) => ahead,
+            None => {
+                let mut first = Batch::default();
+                self.read_next(&mut first)?;
+                first
+            }
+        };
+        std::mem::swap(batch, &mut ahead);
+        let count = batch.voltage_v.samples() as u64;
+        if count == 0 {
+            return Ok(false);
+        }
+        let first = self.seen.samples - count;
+        self.read_next(&mut ahead)?;
+        self.ahead = Some(ahead);
+        self.at_limit.blind(first, &mut batch.voltage_v);
+        Ok(true)
+    }
+
+    fn read_next(&mut self, batch: &mut Batch) -> Result<bool> {
         let count = self.columns.read(CHUNK)?;
         for (limb, column) in batch.voltage_v.columns.iter_mut().enumerate() {
             let Some(place) = self.places[limb] else {
@@ -155,16 +172,16 @@ impl Recording {
             if !self.watched {
                 self.columns.check_finite(place)?;
             }
-            let clipped = |voltage_v: &&f64| voltage_v.abs() >= AT_LIMIT * self.full_scale_v;
-            for voltage_v in self.columns.column(place).iter().filter(clipped) {
+            let limit_v = self.limit_v();
+            let read = self.columns.column(place).iter().enumerate();
+            for (at, voltage_v) in read.filter(|(_, voltage_v)| voltage_v.abs() >= limit_v) {
                 self.seen.clipped[limb] += 1;
                 self.seen.largest_v = self.seen.largest_v.max(voltage_v.abs());
+                if self.watched {
+                    self.at_limit.push(limb, self.seen.samples + at as u64);
+                }
             }
             self.columns.take(place, column);
-        }
-        let at_limit = self.seen.clipped.iter().filter(|clipped| **clipped > 0);
-        if self.watched && (1..=BLINDED).contains(&at_limit.count()) {
-            blind(&mut batch.voltage_v.columns, AT_LIMIT * self.full_scale_v);
         }
         batch.times_s.clear();
         match self.columns.stamps_s() {
@@ -191,6 +208,11 @@ impl Recording {
                 .map_err(|cause| anyhow!("{}: the rate is {cause}", self.path.display()))?;
         }
         Ok(count > 0)
+    }
+
+    /// Voltages from which a channel is at the end of the converter's range.
+    pub(super) fn limit_v(&self) -> f64 {
+        AT_LIMIT * self.full_scale_v
     }
 
     /// Whether there were voltages that no converter of the stated range gives.

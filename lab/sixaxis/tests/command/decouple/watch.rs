@@ -295,3 +295,46 @@ fn neg_samples_at_the_converter_s_end_are_no_other_limb_s() {
     let said = stderr(&done(&[&arguments[..], &["--watch"]].concat()));
     assert!(said.contains("at the converter's limit"), "{said}");
 }
+
+/// Samples at the converter's end of more limbs than can be done without are of a sensor that was driven too hard, wherever the file is cut into
+/// blocks to be read; of those that are far apart each is a failure of its own, and no sound limb's.
+#[test]
+fn neg_the_converter_s_end_does_not_depend_on_blocks() {
+    const SAMPLES: usize = 40_000;
+    let folder = Folder::new("decouple-overdriven");
+    let (toml, json) = (session().join("session.toml"), calibration());
+    let (volts, rate_hz) = voltages();
+    // From rest to rest, again and again.
+    let repeated = |v: &Vec<f64>| v.iter().copied().cycle().take(SAMPLES).collect();
+    let volts: Vec<Vec<f64>> = volts.iter().map(repeated).collect();
+    let clipped = folder.join(compound().file_name().expect("a name"));
+    let out = folder.join("out.csv");
+    let said = |clips: &[(usize, usize)]| {
+        let mut volts = volts.clone();
+        for &(limb, at) in clips {
+            volts[limb][at..at + 3].fill(9.9997);
+        }
+        write(&clipped, &LIMBS, "V", &volts, rate_hz);
+        let arguments = ["decouple", &json, text(&clipped), "--session", text(&toml)];
+        stderr(&done(
+            &[&arguments[..], &["--out", text(&out), "--watch"]].concat(),
+        ))
+    };
+    for last in [16_370, 16_390] {
+        let driven = said(&[(0, 16_350), (4, 16_360), (5, last)]);
+        assert!(driven.contains("at the converter's limit"), "{driven}");
+        assert!(!driven.contains("decoded without"), "{last}: {driven}");
+    }
+    let clips = [(0, 500), (4, 9_700), (5, 18_900), (8, 28_100)];
+    let apart = said(&clips);
+    for (limb, _) in clips {
+        let named = format!("limb {}: no readable value since", limb + 1);
+        assert!(apart.contains(&named), "{named}: {apart}");
+    }
+    assert_eq!(
+        apart.matches("decoded without").count(),
+        clips.len(),
+        "{apart}"
+    );
+    assert!(!apart.contains("noise"), "{apart}");
+}
