@@ -63,8 +63,27 @@ impl Scene {
     /// Draws one. Channels' noise is that of a chain of 60 dB, times a factor of each channel's own of up to `unequal`.
     #[must_use]
     pub fn random(seed: u64, unequal: f64) -> Self {
+        Self::draw(seed, unequal, None)
+    }
+
+    /// The same with scale factors that differ from their mean by up to a share `spread`, and one range of all amplifiers: nearly the same
+    /// strain per volt.
+    #[must_use]
+    pub fn alike(seed: u64, spread: f64) -> Self {
+        Self::draw(seed, 1.0, Some(spread))
+    }
+
+    fn draw(seed: u64, unequal: f64, alike: Option<f64>) -> Self {
         let mut rng = Pcg64::new(u128::from(seed), STREAM);
-        let parameters = truth::random_parameters(&mut rng);
+        let mut parameters = truth::random_parameters(&mut rng);
+        if let Some(spread) = alike {
+            let scale = &mut parameters.scale_per_mass_per_kg;
+            let mean = scale.iter().sum::<f64>() / LIMBS as f64;
+            *scale = core::array::from_fn(|_| {
+                let uniform: f64 = StandardUniform.sample(&mut rng);
+                mean * (1.0 + spread * (2.0 * uniform - 1.0))
+            });
+        }
         let mut uniform = || -> f64 { StandardUniform.sample(&mut rng) };
         let mut axis =
             |size: f64| DVec3::from_array([0; 3].map(|_| size * (2.0 * uniform() - 1.0)));
@@ -94,6 +113,15 @@ impl Scene {
         let mut from_zero = vec![[0.0; LIMBS]];
         from_zero.extend(&course);
         scene.sensor.gains = truth::amplifier_ranges(&from_zero, &parameters);
+        if alike.is_some() {
+            let widest = scene
+                .sensor
+                .gains
+                .gain_n_per_v
+                .into_iter()
+                .fold(0.0, f64::max);
+            scene.sensor.gains = sixaxis_core::Gains::uniform(widest);
+        }
         scene.chain = SignalChain::new(&scene.sensor.gains, &parameters);
         scene.signal_v = core::array::from_fn(|i| {
             let sum: f64 = course

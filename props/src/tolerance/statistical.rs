@@ -38,8 +38,11 @@ pub const NOT_ISOLATED: Tolerance = required(0.01, "one failure in a hundred");
 /// Share of ambiguous pairs of which the wrong limb is named: odds of a thousand to one, and models that do not fit. As far as it is no
 /// chance of one in a million.
 pub const TWIN_WRONG: Tolerance = required(0.01, "one pair in a hundred");
-/// Share of recordings with hum in which a sound limb is excluded, as far as it is no chance of one in a million.
-pub const HUM_EXCLUDES: Tolerance = required(0.02, "one recording in fifty");
+/// Share of 2,400 recordings with hum in which a sound limb is excluded: 0.025 + 3 sqrt(0.025 * 0.975 / 2400).
+pub const HUM_EXCLUDES: Tolerance = required(
+    0.0346,
+    "one recording in forty, and three standard deviations of the count",
+);
 /// Share of plays in which limbs die with their noise and a sound one is excluded, as far as it is no chance of one in a million.
 pub const SOUND_LIMB_EXCLUDED: Tolerance = required(1e-3, "one play in a thousand");
 /// Drawn against theoretical probability of detection, in standard errors.
