@@ -24,10 +24,12 @@ const OF_THE_RUN: f64 = 0.35;
 const OFF_ZERO: f64 = 6.0;
 const OFF_ZERO_OF_RANGE: f64 = 2e-5;
 /// Periods over which a channel that stands still at the beginning is averaged, five of 50 Hz and six of 60 Hz, how often at most, and standard
-/// deviations by which such a mean differs from the one before where it stands.
+/// deviations of such means' difference within which it stands.
 const AVERAGED: usize = 5;
 const AVERAGES: usize = 2;
 const STANDS: f64 = 4.0;
+/// Of the scatter of hum of 60 Hz, what a mean over 20 ms keeps at most: sqrt 2 sin(1.2 pi) / (1.2 pi).
+const HUM: f64 = 0.2205;
 /// Of so many places one is looked at.
 const EVERY: usize = 4;
 
@@ -203,7 +205,19 @@ impl Ends {
             let mean_sd_v = sd_v(periods) / (periods.len() as f64).sqrt();
             let least_v = OFF_ZERO * self.zero_sd_v[limb].hypot(mean_sd_v);
             let off_v = mean_v(periods) - self.zero_v[limb];
-            let is_off = off_v.abs() > least_v.max(OFF_ZERO_OF_RANGE * self.full_scale_v);
+            let resolved_v = OFF_ZERO_OF_RANGE * self.full_scale_v;
+            if off_v.abs() > least_v.max(resolved_v) {
+                return Some((limb, off_v));
+            }
+            // A motion may begin sooner: the periods until then, and what hum leaves of their mean.
+            let still =
+                |mean_v: &&f64| (**mean_v - first[0]).abs() < STANDS * 2_f64.sqrt() * noise_v;
+            let until = first.iter().take_while(still).count().max(1);
+            let least_v = OFF_ZERO * self.zero_sd_v[limb].hypot(noise_v / (until as f64).sqrt())
+                + HUM * scatter_v(&values[..half]);
+            let off_v = mean_v(&first[..until]) - self.zero_v[limb];
+            let moved_v = first[until - 1] - first[0];
+            let is_off = off_v.abs() > least_v.max(resolved_v).max(2.0 * moved_v.abs());
             is_off.then_some((limb, off_v))
         };
         let off: Vec<(usize, f64)> = (0..LIMBS)
