@@ -18,7 +18,7 @@ use crate::series::deviation;
 use crate::set_aside;
 use crate::steps::Campaign;
 use crate::trial::Trial;
-use sixaxis_recordings::session::{Role, Session, SessionFile, Stage};
+use sixaxis_recordings::session::{LowPass, Role, Session, SessionFile, Stage};
 
 /// Corner of the low-pass for validation runs over the drive's frequency: what is compared there is the gyroscope's second
 /// derivative, and its noise must stay out. The drive loses 7e-6, the same on both sides.
@@ -322,14 +322,15 @@ fn moves_at_rest(trials: &[Trial], rest_s: f64) -> Option<Finding> {
     }
 }
 
-/// Validation runs have a low-pass of their own.
+/// Validation runs have a low-pass of their own, whatever the session says of the others': what they are judged by needs it.
 pub(crate) fn for_role(conditioning: &Conditioning, role: Role) -> Conditioning {
     let mut own = conditioning.clone();
-    if role == Role::Validation
-        && let Stage::On(low_pass) = &mut own.stages.low_pass
-    {
-        low_pass.times_drive = VALIDATION_CORNER;
-        low_pass.plus_hz = 0.0;
+    if role == Role::Validation {
+        own.stages.low_pass = Stage::On(LowPass {
+            times_drive: VALIDATION_CORNER,
+            plus_hz: 0.0,
+            ..LowPass::default()
+        });
     }
     own
 }
