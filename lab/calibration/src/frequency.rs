@@ -13,7 +13,7 @@ const FAR: f64 = 1.5;
 /// Factor from the stated frequency within which the second look finds a drive: its low-pass leaves a fifth at the upper end.
 const WITHIN: f64 = 2.5;
 /// The second look's low-pass is the mean over this share of a stated cycle, twice: 0.81 is left at the stated frequency, 0.41 at twice that,
-/// less than a fiftieth from four times on.
+/// less than a twentieth from four times on.
 const AVERAGED: f64 = 0.25;
 /// Share of the series' deviation that the slow motion has at least: what is left of a faster drive has less.
 const SLOW_SHARE: f64 = 0.2;

@@ -53,13 +53,8 @@ impl PreparedSession {
     /// [`sixaxis_recordings::Error::Session`]: a session whose own statements cannot be.
     pub fn read(file: &SessionFile, progress: &dyn Progress) -> Result<Self> {
         let stated = Self::read_faster(file, 0.0, progress)?;
-        let clock = reference_clock::measure(&file.session, &stated);
-        clock.map_or(Ok(stated), |clock| {
-            Ok(Self {
-                reference_clock: Some(clock),
-                ..Self::read_faster(file, clock.faster, progress)?
-            })
-        })
+        let read_faster = |faster| Self::read_faster(file, faster, progress);
+        reference_clock::taken_off(&file.session, stated, read_faster)
     }
 
     /// Reads and conditions them with standards in files of their own sampled faster than stated by this share of their rate.

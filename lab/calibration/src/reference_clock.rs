@@ -8,18 +8,20 @@
 //! so that a bad trial among good ones does not bend it, and their scatter says how well it is known.
 
 use rayon::prelude::*;
-use sixaxis_core::LIMBS;
+use sixaxis_core::identify::joint::AtRest;
+use sixaxis_core::{LIMBS, Parameters};
 use sixaxis_recordings::session::Session;
 
 use crate::conditioning::Conditioned;
 use crate::diagnosis::table::weighted_median;
 use crate::diagnosis::timing;
+use crate::error::Result;
 use crate::joint::hypotheses::clock::{Clock, read_on};
 use crate::joint::{self, JointReport, Knowledge, Loss, record};
 use crate::prepare::PreparedSession;
 use crate::response;
 use crate::series::median;
-use crate::steps::GyroscopeGain;
+use crate::steps::{Campaign, GyroscopeGain};
 use crate::trial::Trial;
 
 /// Difference of two rates, relative, up to which it is two quartzes': ordinary ones are good to 1e-4 each, age and warmth included.
@@ -67,62 +69,139 @@ impl RateDifference {
     }
 }
 
-/// Measures it where the joint fit does not account for the trials as they are stated; none where it does, where no standards have files of
-/// their own, and where it is none of two quartzes.
-#[must_use]
-pub fn measure(session: &Session, stated: &PreparedSession) -> Option<RateDifference> {
+/// A session with it taken off, where the joint fit does not account for the trials as they are stated and leaves less without it; as it is
+/// stated where the fit does, where no standards have files of their own, and where it is none of two quartzes. `read_faster` reads the
+/// session with standards that are sampled faster than stated by this share.
+///
+/// # Errors
+/// Those of `read_faster`.
+pub fn taken_off(
+    session: &Session,
+    stated: PreparedSession,
+    read_faster: impl Fn(f64) -> Result<PreparedSession>,
+) -> Result<PreparedSession> {
+    let own = with_own_files(session);
+    if own.len() < FEWEST {
+        return Ok(stated);
+    }
+    let about = |day: &PreparedSession| -> Option<RateDifference> {
+        by_growth(day, &own)
+            .filter(|found| found.trials >= FEWEST && found.faster.abs() <= OF_QUARTZES)
+    };
+    let Some(growth) = about(&stated) else {
+        return Ok(stated);
+    };
+    let as_stated = Day::of(session, &stated, &own).and_then(|day| day.fit(0.0));
+    if as_stated.as_ref().is_some_and(JointReport::accounts) {
+        return Ok(stated);
+    }
+    let refined = |day: &PreparedSession, from| match Day::of(session, day, &own) {
+        Some(day) => day.refined(from),
+        None => from,
+    };
+    let first = refined(&stated, growth);
+    if !first.is_of_quartzes() {
+        return Ok(stated);
+    }
+    // Files that begin together are half a run's growth apart in its middle as long as they are read at the wrong rate, and with that lag left
+    // the best rate is a little less than the true one. Read at about the right one they are together.
+    let near = read_faster(first.faster)?;
+    let found = about(&near).map_or(first, |growth| {
+        let left = refined(&near, growth);
+        RateDifference {
+            faster: (1.0 + first.faster) * (1.0 + left.faster) - 1.0,
+            ..left
+        }
+    });
+    if !found.is_of_quartzes() {
+        return Ok(stated);
+    }
+    let read = read_faster(found.faster)?;
+    let left = Day::of(session, &read, &own).and_then(|day| day.fit(0.0));
+    let less = left.is_some_and(|left| {
+        as_stated.is_none_or(|stated| left.misfit.per_degree < stated.misfit.per_degree)
+    });
+    Ok(match less {
+        true => PreparedSession {
+            reference_clock: Some(found),
+            ..read
+        },
+        false => stated,
+    })
+}
+
+/// Recordings whose standards have files of their own.
+fn with_own_files(session: &Session) -> Vec<String> {
     let entries = session.recording.iter();
-    let own: Vec<String> = entries
+    entries
         .filter(|entry| entry.reference_file.is_some())
         .map(|entry| entry.file.display().to_string())
-        .collect();
-    if own.is_empty() {
-        return None;
+        .collect()
+}
+
+/// What the joint fit of a day is made of.
+struct Day<'a> {
+    campaign: &'a Campaign,
+    /// Trials whose standards have files of their own.
+    own: &'a [String],
+    rest: AtRest,
+    start: Parameters,
+    knowledge: Knowledge,
+}
+
+impl<'a> Day<'a> {
+    fn of(session: &Session, day: &'a PreparedSession, own: &'a [String]) -> Option<Self> {
+        let campaign = &day.campaign;
+        let class = session.gyroscope.class_percent / 100.0;
+        let steps = campaign.identify(GyroscopeGain::Certified { class }).ok()?;
+        Some(Self {
+            campaign,
+            own,
+            rest: joint::at_rest(&steps.drift),
+            start: joint::start(campaign, &steps),
+            knowledge: Knowledge::of(session),
+        })
     }
-    let mut found = by_growth(stated, &own).filter(|found| found.faster.abs() <= OF_QUARTZES)?;
-    let campaign = &stated.campaign;
-    let class = session.gyroscope.class_percent / 100.0;
-    let steps = campaign.identify(GyroscopeGain::Certified { class }).ok()?;
-    let (rest, start) = (joint::at_rest(&steps.drift), joint::start(campaign, &steps));
-    let knowledge = Knowledge::of(session);
-    let fit = |faster: f64| -> Option<JointReport> {
-        let read = |(trial, _): &(Trial, _)| match own.contains(&trial.name) {
-            true => read_on(trial, about_the_middle(trial, faster)),
-            false => Some(trial.clone()),
+
+    /// The fit with standards that are sampled faster than they were read by this share, each about the middle of its run.
+    fn fit(&self, faster: f64) -> Option<JointReport> {
+        let read = |(trial, _): &(Trial, Conditioned)| match self.own.contains(&trial.name) {
+            true if faster != 0.0 => read_on(trial, about_the_middle(trial, faster)),
+            _ => Some(trial.clone()),
         };
-        let trials: Vec<Trial> = campaign.trials.iter().map(read).collect::<Option<_>>()?;
+        let trials = self.campaign.trials.iter().map(read);
+        let trials: Vec<Trial> = trials.collect::<Option<_>>()?;
         let borrowed: Vec<&Trial> = trials.iter().collect();
-        let geometry = &campaign.geometry;
         joint::fit_trials(
-            geometry,
+            &self.campaign.geometry,
             &borrowed,
-            &rest,
-            &start,
-            &knowledge,
+            &self.rest,
+            &self.start,
+            &self.knowledge,
             Loss::Squares,
         )
         .ok()
-    };
-    let as_stated = fit(0.0);
-    if as_stated.as_ref().is_some_and(JointReport::accounts) {
-        return None;
     }
-    for _ in 0..ROUNDS {
-        let middle = found.faster;
-        let fits: Option<Vec<JointReport>> = [middle - STEP, middle, middle + STEP]
-            .into_par_iter()
-            .map(fit)
-            .collect();
-        // A fit to good instruments may refuse what is ten parts in a million off; the growth alone is good to a few.
-        let Some(left) = fits.and_then(|fits| of_parabolas(&fits, &own)) else {
-            break;
-        };
-        found = RateDifference {
-            faster: middle + left.faster,
-            ..left
-        };
+
+    /// A difference by the bottoms of the trials' parabolas about it. A fit to good instruments may refuse what is ten parts in a million off;
+    /// then what was known of it remains, and the growth alone is good to a few.
+    fn refined(&self, mut found: RateDifference) -> RateDifference {
+        for _ in 0..ROUNDS {
+            let middle = found.faster;
+            let fits: Option<Vec<JointReport>> = [middle - STEP, middle, middle + STEP]
+                .into_par_iter()
+                .map(|faster| self.fit(faster))
+                .collect();
+            let Some(left) = fits.and_then(|fits| of_parabolas(&fits, self.own)) else {
+                break;
+            };
+            found = RateDifference {
+                faster: middle + left.faster,
+                ..left
+            };
+        }
+        found
     }
-    found.is_of_quartzes().then_some(found)
 }
 
 /// By how much standards of those trials are sampled faster by the growth of their lags, the middle one of all trials.

@@ -26,6 +26,11 @@ const FIRST_STEPS: usize = 1 << 16;
 const UNEVEN: f64 = 1e-2;
 /// Relative difference between two statements of one sample rate that is put down to rounding.
 const STATED_TOLERANCE: f64 = 1e-6;
+/// The same of a reference file's rate: ordinary quartzes are good to 1e-4 each, and the recordings tell by how much two of them differ.
+const OF_QUARTZES: f64 = 200e-6;
+/// Keys of a recording's rate and of its reference file's, and by how much what is stated there may differ from the file's own.
+pub(super) const OWN_RATE: (&str, f64) = ("sample_rate_hz", STATED_TOLERANCE);
+pub(super) const REFERENCE_RATE: (&str, f64) = ("reference_sample_rate_hz", OF_QUARTZES);
 /// Relative difference between a stated rate and that of the time stamps from which the two contradict each other.
 const STAMPS_TOLERANCE: f64 = 1e-3;
 
@@ -314,10 +319,20 @@ pub fn stated_rate_hz(
     columns: &[Column],
     stated: Option<f64>,
 ) -> Result<Option<f64>, String> {
+    stated_rate_within(STATED_TOLERANCE, layout, columns, stated)
+}
+
+/// The same where two statements may differ by so much of the rate; the one beside the file counts.
+pub(super) fn stated_rate_within(
+    tolerance: f64,
+    layout: &Layout,
+    columns: &[Column],
+    stated: Option<f64>,
+) -> Result<Option<f64>, String> {
     let mut rate = stated;
     for channel in columns.iter().map(|c| &layout.channels[c.index]) {
         match (rate, channel.sample_rate_hz) {
-            (Some(a), Some(b)) if (a - b).abs() > STATED_TOLERANCE * a => {
+            (Some(a), Some(b)) if (a - b).abs() > tolerance * a => {
                 return Err(format!(
                     "{a} Hz here, but the file says {b} Hz for channel {:?}",
                     channel.name

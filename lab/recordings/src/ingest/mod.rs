@@ -15,6 +15,7 @@
 pub mod averaged;
 pub mod clock;
 pub mod columns;
+mod even;
 pub mod find;
 pub mod readings;
 mod units;

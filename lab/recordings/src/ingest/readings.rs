@@ -6,8 +6,9 @@ use sixaxis_core::dsp::delay::delayed;
 use sixaxis_core::dsp::resample::CubicSpline;
 
 use super::averaged::Averaged;
-use super::clock::stated_rate_hz;
+use super::clock::{OWN_RATE, REFERENCE_RATE, stated_rate_hz, stated_rate_within};
 use super::columns::{BLOCK, Columns, stamps};
+use super::even::evenly;
 use super::find::{self, Column};
 use crate::began::Began;
 use crate::error::{Error, Result};
@@ -19,6 +20,8 @@ use crate::source::Source;
 /// Share of its rate up to which a series that was read between its samples has their noise: halfway between samples a spline is flat to one per cent
 /// there, the polynomial of a delay to one and a half.
 const FLAT: f64 = 0.2;
+/// Times the limbs' rate from which on a clock is so fast that its samples' noise, read between them, is white again.
+const MUCH_FASTER: f64 = 2.0;
 /// Samples below which no run of the rig can be.
 const FEWEST_SAMPLES: usize = 32;
 
@@ -35,7 +38,7 @@ pub struct Readings {
     pub gyroscope_rad_s: Vec<f64>,
     /// Frequency up to which noise of the limbs is white, Hz: infinite unless they were read between their samples.
     pub limbs_band_hz: f64,
-    /// The same of the standards: infinite, too, where they were resampled from a faster clock.
+    /// The same of the standards: infinite, too, where they were resampled from a much faster clock.
     pub standards_band_hz: f64,
     /// How the file, or that of the standards, was cut short, if it was.
     pub cut: Option<String>,
@@ -110,17 +113,18 @@ impl Reader<'_> {
         self.file.refuse(&key, cause)
     }
 
-    /// A whole recording on an even clock; `rate_key` is where the session states its rate.
+    /// A whole recording on an even clock; `rate_key` is where the session states its rate, and
+    /// `tolerance` by how much that may differ from the file's own, relative.
     fn series(
         &self,
         path: &Path,
         source: Box<dyn Source>,
         wanted: Vec<Column>,
         stated_hz: Option<f64>,
-        rate_key: &str,
+        (rate_key, tolerance): (&str, f64),
     ) -> Result<Series> {
         let layout = source.layout();
-        let stated_hz = stated_rate_hz(layout, &wanted, stated_hz)
+        let stated_hz = stated_rate_within(tolerance, layout, &wanted, stated_hz)
             .map_err(|cause| self.refuse(rate_key, cause))?;
         let no_rate = format!(
             "missing: neither the file{} nor the session says how fast it was sampled",
@@ -190,7 +194,7 @@ impl Reader<'_> {
             sample_rate_hz,
             band_hz: mut limbs_band_hz,
             began,
-        } = self.series(&path, source, wanted, stated_hz, "sample_rate_hz")?;
+        } = self.series(&path, source, wanted, stated_hz, OWN_RATE)?;
         let mut standards = columns.split_off(LIMBS);
         let mut standards_band_hz = limbs_band_hz;
         if let Some(reference) = reference {
@@ -282,7 +286,7 @@ impl Reader<'_> {
         }
         let wanted = self.standards(&path, source.layout())?.to_vec();
         let stated_hz = self.entry.reference_sample_rate_hz;
-        let mut own = self.series(&path, source, wanted, stated_hz, "reference_sample_rate_hz")?;
+        let mut own = self.series(&path, source, wanted, stated_hz, REFERENCE_RATE)?;
         own.sample_rate_hz *= 1.0 + self.reference_faster;
         let by_dates_s = (own.began.zip(limbs.began)).and_then(|(own, limbs)| own.after(limbs));
         let by_dates_s = by_dates_s.filter(|_| self.entry.reference_start_s.is_none());
@@ -313,8 +317,8 @@ impl Reader<'_> {
             })
             .collect::<sixaxis_core::Result<_>>()
             .map_err(resampling(&path))?;
-        // Of a faster clock what is read is white again.
-        let faster = own.sample_rate_hz > rate_hz;
+        // Of a much faster clock what is read is white again. Two quartzes of one rate leave it to chance which is faster.
+        let faster = own.sample_rate_hz > MUCH_FASTER * rate_hz;
         let resampled = Series {
             columns: resampled,
             began: None,
@@ -364,17 +368,6 @@ impl Reader<'_> {
             cut,
         })
     }
-}
-
-/// A series with jittering time stamps, read on the even clock that starts with the first of them.
-fn evenly(stamps_s: &[f64], series: &[f64], rate_hz: f64) -> sixaxis_core::Result<Vec<f64>> {
-    let (Some(first), Some(last)) = (stamps_s.first(), stamps_s.last()) else {
-        return Ok(Vec::new());
-    };
-    let spline = CubicSpline::through(stamps_s, series)?;
-    (0..series.len())
-        .map(|i| spline.at((first + i as f64 / rate_hz).min(*last)))
-        .collect()
 }
 
 fn resampling(path: &Path) -> impl Fn(sixaxis_core::Error) -> Error {

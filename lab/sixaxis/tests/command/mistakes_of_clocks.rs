@@ -13,7 +13,7 @@ const GYROSCOPE: usize = 10;
 const RATE_HZ: f64 = 2000.0;
 
 /// Parts per million within which a day's trials tell the difference of two clocks.
-const TOLD_PPM: f64 = 2.0;
+const TOLD_PPM: f64 = 1.0;
 
 #[test]
 fn inv_a_frame_that_vibrates_is_no_clock() {
@@ -132,7 +132,7 @@ fn inv_one_bad_trial_does_not_bend_a_quartz() {
     });
     assert_eq!(code, 4, "{said}");
     let told = told_ppm(&said).expect("it is said");
-    assert!((told + 40.0).abs() < 2.0 * TOLD_PPM, "{said}");
+    assert!((told + 40.0).abs() < 4.0 * TOLD_PPM, "{said}");
     assert!(said.contains("linear-06.csv"), "{said}");
 }
 
