@@ -5,6 +5,9 @@ use core::f64::consts::PI;
 /// Standard gravity, m/s^2: what `g` means.
 pub const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
 
+/// The units of voltage, as they are said.
+pub const VOLTAGES: &str = "V, mV or uV";
+
 /// What a unit measures and its size in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unit {

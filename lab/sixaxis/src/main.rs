@@ -111,6 +111,9 @@ fn main() -> ExitCode {
 }
 
 fn failed(error: anyhow::Error) -> ExitCode {
+    if let Some(answer) = error.downcast_ref() {
+        return answered(answer);
+    }
     tell("error", &in_words(&error));
     ExitCode::FAILURE
 }

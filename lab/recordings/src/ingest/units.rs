@@ -16,7 +16,8 @@ fn refuse(path: &Path, channel: &Channel, cause: impl Into<String>) -> Error {
     }
 }
 
-/// A channel's unit. The session's counts where the file states none, or one that is not known.
+/// A channel's unit. The session's counts where the file states none, or one that is not known; where nobody states any, that at the end of
+/// the channel's name, as in `u1_V`.
 fn of(path: &Path, channel: &Channel, stated: Option<&str>) -> Result<Unit> {
     let refuse = |cause| Err(refuse(path, channel, cause));
     match (channel.unit.as_deref(), stated) {
@@ -36,11 +37,15 @@ fn of(path: &Path, channel: &Channel, stated: Option<&str>) -> Result<Unit> {
             Some(unit) => Ok(unit),
             None => refuse(format!("unit {name:?} is not known")),
         },
-        (None, None) => refuse(
+        // Software that turns our own Parquet into text keeps no more than the columns' names.
+        (None, None) => match unit::in_name(&channel.name).and_then(|(_, plain)| unit::named(plain)) {
+            Some(unit) => Ok(unit),
+            None => refuse(
             "neither the file nor a session says its unit; set limbs_unit, accelerometer_unit or gyroscope_unit in [channels] of the \
              session, or where there is none give the limbs' by --unit"
                 .to_owned(),
-        ),
+            ),
+        },
     }
 }
 

@@ -12,17 +12,17 @@ use crate::channel::Channel;
 pub struct Channels {
     /// Limbs 1 to 9.
     pub limbs: [String; LIMBS],
-    /// Unit of the limbs' channels where the file does not say: V or mV.
+    /// Unit of the limbs' channels where the file does not say: V, mV or uV.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limbs_unit: Option<String>,
     /// Standard accelerometer.
     pub accelerometer: String,
-    /// Its unit where the file does not say: m/s^2, g, V or mV.
+    /// Its unit where the file does not say: m/s^2, g, V, mV or uV.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accelerometer_unit: Option<String>,
     /// Standard gyroscope.
     pub gyroscope: String,
-    /// Its unit where the file does not say: rad/s, deg/s, V or mV.
+    /// Its unit where the file does not say: rad/s, deg/s, V, mV or uV.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gyroscope_unit: Option<String>,
     /// Time stamps, if the file has any; left out, a channel called `time`, `time_s`, `timestamp`, `zeit`, `seconds`, `elapsed` or `t` is taken.

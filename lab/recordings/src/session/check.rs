@@ -277,16 +277,21 @@ fn check_gains(key: &str, gains: &PerLimb) -> Result {
 }
 
 fn check_channels(key: &str, channels: &Channels) -> Result {
-    for (name, unit) in [
-        ("limbs_unit", &channels.limbs_unit),
-        ("accelerometer_unit", &channels.accelerometer_unit),
-        ("gyroscope_unit", &channels.gyroscope_unit),
+    for (name, unit, own) in [
+        ("limbs_unit", &channels.limbs_unit, ""),
+        (
+            "accelerometer_unit",
+            &channels.accelerometer_unit,
+            "m/s^2, g, ",
+        ),
+        ("gyroscope_unit", &channels.gyroscope_unit, "rad/s, deg/s, "),
     ] {
         if let Some(unit) = unit {
             let known = unit::named(unit).is_some();
             require(known, &format!("{key}.{name}"), || {
                 format!(
-                    "{unit:?} is not a unit that is known; known are V, mV, m/s^2, g, rad/s, deg/s"
+                    "{unit:?} is not a unit that is known; give {own}{}",
+                    unit::VOLTAGES
                 )
             })?;
         }

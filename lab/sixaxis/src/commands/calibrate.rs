@@ -1,5 +1,6 @@
 //! `sixaxis calibrate`: a session's recordings to 25 parameters, their intervals and a verdict.
 
+mod format;
 mod joint;
 mod repetition;
 
@@ -7,7 +8,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use serde::Serialize;
 use sixaxis_calibration::calibrate::{CalibratedSession, Options, calibrate};
@@ -20,10 +21,11 @@ use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 use sixaxis_recordings::session::{self, SessionFile};
 
-use super::common::{print, print_json, wrapped};
+use super::common::{not_streamed, not_understood, print, print_json, wrapped};
 use super::output::{PAGE, check_ending, check_outputs, mention_earlier};
 use crate::progress::Progress;
 
+use format::Format;
 use repetition::Repetition;
 
 /// Which session and where to write.
@@ -51,7 +53,7 @@ pub struct Arguments {
     /// leaves no more over than noise, or with a reservation half as much again, and finds ordinary limbs; four-steps where it does not]
     #[arg(long, value_enum)]
     estimator: Option<Method>,
-    /// Keep wild samples from bending the joint fit (Huber's loss); takes up to twice as long, more with many of them
+    /// Keep wild samples from bending the joint fit (Huber's loss): needs --estimator joint; takes up to twice as long, more with many of them
     #[arg(long)]
     robust: bool,
     /// Print a summary for scripts instead of the one for people
@@ -93,15 +95,6 @@ enum Method {
     Joint,
 }
 
-/// A format of the calibration by its name on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// What the other commands read
-    Json,
-    /// Constants for a firmware
-    Rust,
-}
-
 /// A file format with a schema.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Schema {
@@ -126,15 +119,28 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         (Some(Method::FourSteps), false) => Some(Estimator::FourSteps),
         (Some(Method::Joint), false) => Some(Estimator::Joint),
         (Some(Method::Joint), true) => Some(Estimator::JointRobust),
-        (None | Some(Method::FourSteps), true) => bail!(
-            "--robust is a loss of the joint fit: add --estimator joint; the four steps mend wild samples as the session's \
-             preprocessing.outliers says"
-        ),
+        (None | Some(Method::FourSteps), true) => {
+            return not_understood(
+                "--robust is a loss of the joint fit: add --estimator joint; the four steps mend wild samples as the session's \
+             preprocessing.outliers says",
+            );
+        }
     };
     let path = arguments
         .session
         .as_deref()
         .context("no session file was named")?;
+    not_streamed([path])?;
+    let within = path.join("session.toml");
+    ensure!(
+        !within.is_file(),
+        "{}: a folder, where a file was expected; its session file is {}",
+        path.display(),
+        within.display()
+    );
+    if let Some(out) = &arguments.out {
+        arguments.format.check(out)?;
+    }
     let beside = |name: &str| path.with_file_name(name);
     let calibration = arguments
         .out

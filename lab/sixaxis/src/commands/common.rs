@@ -1,9 +1,10 @@
 //! What several subcommands have in common: arguments, printing.
 
-use std::io::{ErrorKind, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, ensure};
+use clap::error::ErrorKind;
 use sixaxis_calibration::Error;
 use sixaxis_calibration::apply::setup::Overrides;
 use sixaxis_calibration::calibration::Calibration;
@@ -39,7 +40,7 @@ fn nine_names(text: &str) -> Result<[String; LIMBS], String> {
 fn voltage(text: &str) -> Result<String, String> {
     match unit::named(text) {
         Some(Unit::Voltage(_)) => Ok(text.to_owned()),
-        _ => Err("a unit of voltage is expected: V, mV or uV".to_owned()),
+        _ => Err(format!("a unit of voltage is expected: {}", unit::VOLTAGES)),
     }
 }
 
@@ -108,6 +109,27 @@ impl Beside {
     }
 }
 
+/// A refusal of options that do not go together, which clap cannot tell: exit code 2, before anything has been read.
+pub fn not_understood<T>(cause: impl std::fmt::Display) -> Result<T> {
+    Err(clap::Error::raw(ErrorKind::ArgumentConflict, cause).into())
+}
+
+/// Refuses `-` where only files are read.
+pub fn not_streamed<'a>(inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
+    ensure!(
+        !inputs.into_iter().any(|input| input == Path::new("-")),
+        "-: standard input is not read here, files are; only `decouple` takes a recording from it"
+    );
+    Ok(())
+}
+
+/// Refuses a recording that is not there before anything is asked that goes with it.
+pub fn check_there(recording: &Path) -> Result<()> {
+    let there = recording.metadata();
+    there.map_err(|source| sixaxis_recordings::Error::io(recording, source))?;
+    Ok(())
+}
+
 /// The calibration that a command takes before a recording.
 pub fn read_calibration(path: &Path) -> Result<Calibration> {
     Calibration::read(path).map_err(|error| match error {
@@ -126,7 +148,7 @@ pub fn print(text: impl AsRef<str>) -> Result<()> {
 fn put(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(error).context("cannot write to standard output")
         }
         _ => Ok(()),

@@ -11,7 +11,7 @@ use sixaxis_calibration::page;
 use sixaxis_page::render;
 use sixaxis_recordings::draft::write_atomically;
 
-use super::common::{print, say};
+use super::common::{not_streamed, print, say};
 use super::output::{JSON, PAGE, check_ending, check_outputs};
 
 /// What is held against what.
@@ -43,6 +43,7 @@ Example:
 
 /// Compares, prints the table, writes the page.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
+    not_streamed([arguments.result.as_path(), arguments.truth.as_path()])?;
     let json = arguments.json.as_deref().map(|path| ("--json", path));
     let outputs: Vec<(&str, &Path)> = json
         .into_iter()

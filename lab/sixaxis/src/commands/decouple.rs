@@ -25,7 +25,7 @@ use sixaxis_recordings::{Channel, Layout, Sink};
 
 use self::summary::{Summary, facts};
 use super::choices::{Axes, Integrator};
-use super::common::{Beside, print, print_json, read_calibration, say, tell};
+use super::common::{Beside, check_there, print, print_json, read_calibration, say, tell};
 use super::output::{PAGE, check_ending, check_outputs, mention_earlier};
 use crate::progress::Progress;
 
@@ -127,6 +127,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let session = arguments.beside.read_session()?;
     let streams = arguments.recording == Path::new("-");
     let recording = (!streams).then_some(arguments.recording.as_path());
+    if let Some(recording) = recording {
+        check_there(recording)?;
+    }
     let overrides = arguments.beside.overrides();
     let mut setup = Setup::new(&calibration, session.as_ref(), recording, &overrides)?;
     setup.conditioning.low_pass_hz = arguments.low_pass;

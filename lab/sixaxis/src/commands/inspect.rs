@@ -18,7 +18,7 @@ use sixaxis_recordings::motion::MOTION_CHANNELS;
 use sixaxis_recordings::session::{Role, SessionFile};
 use sixaxis_recordings::unit::{self, Unit};
 
-use super::common::{Naming, mention, print, print_json, tell};
+use super::common::{Naming, mention, not_streamed, print, print_json, tell};
 use super::output::{PAGE, check_ending, check_outputs};
 use crate::progress::Progress;
 
@@ -92,6 +92,7 @@ struct Document<'a> {
 
 /// Looks at each file in turn.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
+    not_streamed(arguments.files.iter().map(PathBuf::as_path))?;
     if let Some(picture) = &arguments.picture {
         let files = arguments.files.iter().map(PathBuf::as_path);
         check_outputs(&[("--picture", picture)], files)?;

@@ -11,7 +11,7 @@ use sixaxis_calibration::report::Grade;
 use sixaxis_calibration::self_calibrate::{Check, Finding, Known, Rest};
 use sixaxis_recordings::draft::write_atomically;
 
-use super::common::{Beside, print, print_json, read_calibration, say};
+use super::common::{Beside, check_there, not_streamed, print, print_json, read_calibration, say};
 use super::output::{JSON, check_ending, check_outputs, mention_earlier, same_file};
 use crate::progress::Progress;
 
@@ -109,7 +109,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     {
         bail!("--since {}: the recording itself", since.display());
     }
+    not_streamed([arguments.recording.as_path()])?;
     let calibration = read_calibration(&arguments.calibration)?;
+    check_there(&arguments.recording)?;
     let name = arguments.calibration.display().to_string();
     let doubt = check_grade(&name, &calibration, arguments.force)?;
     let doubt = doubt.filter(|_| calibration.verdict == Grade::Bad);

@@ -58,7 +58,7 @@ pub struct Arguments {
     /// Samples per second of the trials, Hz [default: 2000]
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
-    /// Taps on the shell, from which k/m is found; always played in MuJoCo, half a second of processor time each [default: 0]
+    /// Taps on the shell, from which k/m is found; always played in MuJoCo, an eighth of a second of processor time each [default: 0]
     #[arg(long, value_name = "N")]
     taps: Option<usize>,
     /// A recording from the field, too: the sensor tumbled by hand for so many seconds at 10 kHz, in closed form

@@ -229,7 +229,7 @@ fn refusals_are_sentences() {
     assert!(!session.with_file_name("calibration.json").exists());
     assert!(page(&session).contains("It cannot be had"));
     let output = calibrate(&session, &["--robust"]);
-    assert_eq!(code(&output), 1);
+    assert_eq!(code(&output), 2);
     let said = stderr(&output);
     assert!(said.contains("add --estimator joint"), "{said}");
 }

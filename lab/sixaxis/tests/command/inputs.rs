@@ -162,3 +162,74 @@ fn inv_what_overrules_the_session_is_said() {
         );
     }
 }
+
+#[test]
+fn neg_what_is_not_a_file_is_told_first() {
+    let (folder, _, calibration) = day("no_file");
+    let [own, missing] = ["day", "nope.tdms"].map(|name| folder.file(name));
+    let recording = folder.file("day/compound-01.csv");
+    for (arguments, words) in [
+        (&["inspect", "-"][..], "standard input is not read here"),
+        (
+            &["compare", "-", &recording],
+            "standard input is not read here",
+        ),
+        (
+            &["compare", &recording, "-"],
+            "standard input is not read here",
+        ),
+        (&["calibrate", "-"], "standard input is not read here"),
+        (
+            &["self-calibrate", &calibration, "-"],
+            "standard input is not read here",
+        ),
+        (&["decouple", &calibration, &missing], "No such file"),
+        (&["self-calibrate", &calibration, &missing], "No such file"),
+        (&["calibrate", &own], "its session file is"),
+    ] {
+        let said = run(arguments);
+        assert_eq!(code(&said), 1, "{arguments:?}: {}", stderr(&said));
+        assert!(
+            stderr(&said).contains(words),
+            "{arguments:?}: {}",
+            stderr(&said)
+        );
+    }
+    // Options that do not go together are a command line that is not understood, whatever the files.
+    let said = run(&["calibrate", &missing, "--robust"]);
+    assert_eq!(code(&said), 2, "{}", stderr(&said));
+    assert!(stderr(&said).contains("add --estimator joint"));
+}
+
+/// Our own Parquet, turned into text by other software, has its units in the names of the columns alone.
+#[test]
+fn inv_a_unit_at_the_end_of_a_name_is_read() {
+    let (folder, session, calibration) = day("unit_in_name");
+    let text = fs::read_to_string(folder.file("day/compound-01.csv")).expect("reads");
+    let named = text
+        .replace(" [V]", "_V")
+        .replace("accelerometer [m/s^2]", "accelerometer_m_s2")
+        .replace("gyroscope [rad/s]", "gyroscope_rad_s");
+    assert_ne!(named, text);
+    fs::write(folder.file("day/compound-01.csv"), &named).expect("writes");
+    let recording = folder.file("day/compound-01.csv");
+    let decouple = |out: &str| {
+        let out = folder.file(out);
+        done(&[
+            "decouple",
+            &calibration,
+            &recording,
+            "--session",
+            &session,
+            "--out",
+            &out,
+            "--force",
+        ]);
+        let text = fs::read_to_string(&out).expect("reads");
+        let rows = text.lines().filter(|line| !line.starts_with('#'));
+        rows.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let by_name = decouple("by-name.csv");
+    fs::write(&recording, &text).expect("writes");
+    assert_eq!(by_name, decouple("by-heading.csv"));
+}

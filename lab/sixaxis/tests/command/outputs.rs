@@ -330,3 +330,34 @@ fn neg_two_do_not_write_into_one_folder() {
     }
     assert!(same(&alone) || (won.len() == 2 && same(&other)));
 }
+
+/// Firmware would take in JSON, or `decouple` a Rust source.
+#[test]
+fn neg_no_calibration_is_named_as_what_it_is_not() {
+    let session = crate::self_calibrate::day().0.file("session.toml");
+    let folder = Folder::new("named_otherwise");
+    for (name, format, words) in [
+        (
+            "x.json",
+            "rust",
+            "a Rust source is written; leave --format out",
+        ),
+        ("x.rs", "json", "written as JSON; add --format rust"),
+        (
+            "x.html",
+            "json",
+            "the name of a page and not of a calibration",
+        ),
+        (
+            "x.htm",
+            "rust",
+            "the name of a page and not of a calibration",
+        ),
+    ] {
+        let out = folder.file(name);
+        let said = run(&["calibrate", &session, "--format", format, "--out", &out]);
+        assert_eq!(code(&said), 2, "{name}: {}", stderr(&said));
+        assert!(stderr(&said).contains(words), "{name}: {}", stderr(&said));
+        assert!(!fs::exists(&out).expect("looks"), "{name}");
+    }
+}
