@@ -46,7 +46,8 @@ pub const SERIAL: &str = {serial:?};
 /// The judgement of the calibration: \"good\", \"good with reservations\" or \"not good\".
 pub const VERDICT: &str = {verdict:?};
 
-/// Lengths from the drawing, m, and gains c_i of the session's default amplifier ranges, N/V.
+/// Lengths from the drawing, m, and gains c_i of the session's default amplifier ranges, N/V, in which nothing need have been recorded:
+/// `sixaxis_core::Sensor {{ gains, ..SENSOR }}` has those of the range that is measured in.
 pub const SENSOR: sixaxis_core::Sensor = sixaxis_core::Sensor {{
     geometry: sixaxis_core::Geometry {{
         limb_length_m: {limb_length_m:?},
