@@ -1,5 +1,7 @@
 //! Frequency of the drive: what the session states of a trial, by which its low-pass and its harmonics go, against what was recorded.
 
+mod along;
+
 use sixaxis_core::LIMBS;
 
 use crate::diagnosis::structure::varies_as_noise;
@@ -98,6 +100,17 @@ pub(crate) fn shows_noise_alone(trial: &Trial) -> bool {
     seen_hz(trial).is_none() && standard_varies_as_noise(trial)
 }
 
+fn standard_goes_along(trial: &Trial) -> bool {
+    let linear = || along::goes_along(&trial.accelerometer_m_s2, &trial.voltage_v);
+    let angular = || along::goes_along(&trial.gyroscope_rad_s, &trial.voltage_v);
+    match trial.role {
+        Role::Linear | Role::HighFrequencyLinear => linear(),
+        Role::Angular => angular(),
+        Role::Validation => linear() && angular(),
+        Role::Static | Role::Tap => false,
+    }
+}
+
 fn standard_varies_as_noise(trial: &Trial) -> bool {
     let linear = || varies_as_noise(&trial.accelerometer_m_s2);
     let angular = || varies_as_noise(&trial.gyroscope_rad_s);
@@ -140,11 +153,11 @@ pub(crate) fn set_aside(trials: &mut Vec<Trial>) -> Vec<Finding> {
 fn of_other_drives(trials: &mut Vec<Trial>) -> Vec<Finding> {
     let turns_otherwise = |trial: &Trial, seen_hz: f64| {
         let far = !(1.0 / ANOTHER..=ANOTHER).contains(&(seen_hz / trial.frequency_hz));
-        // What is not far off is another motion's where the channels move as stated.
+        // What is not far off is another motion's where the channels move as stated, and not with it.
         let off = || (seen_hz / trial.frequency_hz - 1.0).abs() > OFF;
         let limbs_as_stated =
             || of_limbs_hz(trial).is_some_and(|hz| (hz / trial.frequency_hz - 1.0).abs() < SAME);
-        far || off() && limbs_as_stated()
+        far || off() && limbs_as_stated() && !standard_goes_along(trial)
     };
     let all = trials.len();
     let (mut apart, mut still) = (Vec::new(), Vec::new());

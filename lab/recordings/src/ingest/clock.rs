@@ -330,15 +330,20 @@ pub(super) fn stated_rate_within(
     stated: Option<f64>,
 ) -> Result<Option<f64>, String> {
     let mut rate = stated;
+    let mut first = None;
     for channel in columns.iter().map(|c| &layout.channels[c.index]) {
         match (rate, channel.sample_rate_hz) {
             (Some(a), Some(b)) if (a - b).abs() > tolerance * a => {
-                return Err(format!(
-                    "{a} Hz here, but the file says {b} Hz for channel {:?}",
-                    channel.name
-                ));
+                let name = &channel.name;
+                return Err(match first {
+                    None => format!("{a} Hz here, but the file says {b} Hz for channel {name:?}"),
+                    Some(first) => format!(
+                        "the file has {a} Hz for channel {first:?} and {b} Hz for {name:?}: standards at a rate of their own are read where the \
+                         file is named as reference_file, too"
+                    ),
+                });
             }
-            (None, Some(b)) => rate = Some(b),
+            (None, Some(b)) => (rate, first) = (Some(b), Some(&channel.name)),
             _ => {}
         }
     }
