@@ -220,6 +220,7 @@ pub enum Error {
 
 impl Error {
     /// [`Self::Unaccounted`].
+    #[cfg(feature = "alloc")]
     pub(crate) const fn unaccounted(
         what: &'static str,
         iterations: usize,
