@@ -317,15 +317,18 @@ fn moves_at_rest(trials: &[Trial], rest_s: f64) -> Option<Finding> {
     }
 }
 
-/// Validation runs have a low-pass of their own, whatever the session says of the others': what they are judged by needs it.
+/// Validation runs have a low-pass of their own, whatever corner and order the session states for the others: what they are judged by needs
+/// it. Without one they have none, either: of records without noise it takes off more than there is to be taken off.
 pub(crate) fn for_role(conditioning: &Conditioning, role: Role) -> Conditioning {
     let mut own = conditioning.clone();
-    if role == Role::Validation {
-        own.stages.low_pass = Stage::On(LowPass {
+    if role == Role::Validation
+        && let Stage::On(low_pass) = &mut own.stages.low_pass
+    {
+        *low_pass = LowPass {
             times_drive: VALIDATION_CORNER,
             plus_hz: 0.0,
             ..LowPass::default()
-        });
+        };
     }
     own
 }
