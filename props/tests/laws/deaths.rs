@@ -273,31 +273,44 @@ fn law_a_second_failure_is_isolated_after_each_exclusion() {
     });
 }
 
+/// Deviation of limbs' stiffnesses from their mean.
+const STIFFNESS_SD: f64 = 2e-3;
+
+/// A scene whose limbs are unequally stiff, sample by sample, and a monitor that is told of so much of it.
+fn unequally_stiff(
+    scene: &Scene,
+    k: u64,
+    told_sd: f64,
+) -> (Monitor, impl FnMut(u64) -> [f64; LIMBS]) {
+    let mut watch = Watch::exact(FALSE_ALARMS_PER_HOUR, scene.noise_v);
+    for (limb, row) in watch.strain_covariance.iter_mut().enumerate() {
+        row[limb] = told_sd * told_sd;
+    }
+    let settings = Settings::new(SAMPLE_RATE_HZ);
+    let monitor = Monitor::new(&scene.sensor, &scene.parameters, &settings, &watch);
+    let mut rng = Pcg64::new(u128::from(seed() + k), STIFFNESS);
+    let stiffness: [f64; LIMBS] = core::array::from_fn(|_| {
+        let unit: f64 = StandardNormal.sample(&mut rng);
+        1.0 + STIFFNESS_SD * unit
+    });
+    let zero = scene.parameters.zero_drift_v;
+    let play = move |sample| {
+        let sound = noisy(scene, scene.voltage_v(sample), &mut rng);
+        core::array::from_fn(|i| zero[i] + (sound[i] - zero[i]) * stiffness[i])
+    };
+    (monitor.expect("a sound sensor"), play)
+}
+
 /// Limbs unequally stiff by 0.2 %, where that is expected, do not hide that a burst of thirty standard deviations within a hundredth of a second, whose
 /// alarm is that of one sample, is one limb's: that sample's strains are known, too.
 #[test]
 fn law_a_burst_in_motion_is_isolated_for_all_that_limbs_are_unequally_stiff() {
-    const STIFFNESS_SD: f64 = 2e-3;
     (0..BURSTS).into_par_iter().for_each(|k| {
         let scene = Scene::random(seed() + k, 1.0);
-        let mut watch = Watch::exact(FALSE_ALARMS_PER_HOUR, scene.noise_v);
-        for (limb, row) in watch.strain_covariance.iter_mut().enumerate() {
-            row[limb] = STIFFNESS_SD * STIFFNESS_SD;
-        }
-        let settings = Settings::new(SAMPLE_RATE_HZ);
-        let monitor = Monitor::new(&scene.sensor, &scene.parameters, &settings, &watch);
-        let mut monitor = monitor.expect("a sound sensor");
-        let mut rng = Pcg64::new(u128::from(seed() + k), STIFFNESS);
-        let stiffness: [f64; LIMBS] = core::array::from_fn(|_| {
-            let unit: f64 = StandardNormal.sample(&mut rng);
-            1.0 + STIFFNESS_SD * unit
-        });
-        let zero = scene.parameters.zero_drift_v;
+        let (mut monitor, mut play) = unequally_stiff(&scene, k, STIFFNESS_SD);
         let mut isolated = LimbSet::EMPTY;
         for sample in 0..ONSET + 2 * AFTER {
-            let sound = noisy(&scene, scene.voltage_v(sample), &mut rng);
-            let mut u: [f64; LIMBS] =
-                core::array::from_fn(|i| zero[i] + (sound[i] - zero[i]) * stiffness[i]);
+            let mut u = play(sample);
             if (ONSET..ONSET + 200).contains(&sample) {
                 u[0] += 30.0 * scene.noise_v[0];
             }
@@ -398,25 +411,9 @@ fn stat_unequal_stiffness_is_no_alarm_where_it_is_expected() {
     let alarms = |stiffness_sd: f64| -> u64 {
         let of = |k: u64| {
             let scene = Scene::random(seed() + k, 1.0);
-            let mut watch = Watch::exact(FALSE_ALARMS_PER_HOUR, scene.noise_v);
-            for (limb, row) in watch.strain_covariance.iter_mut().enumerate() {
-                row[limb] = stiffness_sd * stiffness_sd;
-            }
-            let settings = Settings::new(SAMPLE_RATE_HZ);
-            let monitor = Monitor::new(&scene.sensor, &scene.parameters, &settings, &watch);
-            let mut monitor = monitor.expect("a sound sensor");
-            let mut rng = Pcg64::new(u128::from(seed() + k), STIFFNESS);
-            let stiffness: [f64; LIMBS] = core::array::from_fn(|_| {
-                let unit: f64 = StandardNormal.sample(&mut rng);
-                1.0 + 2e-3 * unit
-            });
-            let zero = scene.parameters.zero_drift_v;
+            let (mut monitor, mut play) = unequally_stiff(&scene, k, stiffness_sd);
             (0..20_000)
-                .filter(|&sample| {
-                    let sound = noisy(&scene, scene.voltage_v(sample), &mut rng);
-                    let u = core::array::from_fn(|i| zero[i] + (sound[i] - zero[i]) * stiffness[i]);
-                    matches!(monitor.push(&u), Some(Event::Alarm(_)))
-                })
+                .filter(|&sample| matches!(monitor.push(&play(sample)), Some(Event::Alarm(_))))
                 .count() as u64
         };
         (0..16).into_par_iter().map(of).sum()
