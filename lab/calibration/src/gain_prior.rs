@@ -18,6 +18,11 @@ pub struct BoundedGain {
 /// Standard deviations by which the data must contradict a certificate before they are not believed, and it is said: what else they
 /// contain than the accelerometer's gain, nobody knows then, and the certificate alone holds.
 pub const BEYOND_CERTIFICATE: f64 = 4.0;
+/// A certificate is wrong at times. Where data speak, a gain beyond its limit is this much less likely than one within...
+const BEYOND_SHARE: f64 = 0.01;
+/// ... up to so many limits: with a prior that ended at the limit, data that lie three deviations beyond it, which is not enough to disbelieve it,
+/// gave the narrowest of intervals.
+const BEYOND_REACH: f64 = 4.0;
 /// Nodes of the quadrature over the gain. The integrand is smooth on the scale of its width over this many nodes.
 const NODES: usize = 256;
 /// Standard deviations of the data's word beyond which there is nothing to integrate.
@@ -26,18 +31,24 @@ const REACH: f64 = 8.0;
 const HALVINGS: usize = 40;
 
 impl BoundedGain {
-    /// Gains and how likely each is, adding up to 1: an even spread within the limit, weighed by the data.
+    /// Gains and how likely each is, adding up to 1: an even spread within the limit and a hundredth of it beyond, weighed by the data;
+    /// without data the limit.
     fn nodes(&self) -> Vec<(f64, f64)> {
         let (mut low, mut high) = (-self.limit, self.limit);
         let information = self.believed();
         if information > 0.0 {
             let reach = REACH / information.sqrt();
-            low = (self.seen - reach).clamp(-self.limit, self.limit);
-            high = (self.seen + reach).clamp(-self.limit, self.limit);
+            let end = BEYOND_REACH * self.limit;
+            low = (self.seen - reach).clamp(-end, end);
+            high = (self.seen + reach).clamp(-end, end);
         }
         let width = (high - low) / NODES as f64;
-        let log = |gain: f64| -0.5 * information * (gain - self.seen).powi(2);
-        let best = log(self.seen.clamp(low, high));
+        let log = |gain: f64| {
+            let within = gain.abs() <= self.limit;
+            let prior = if within { 0.0 } else { BEYOND_SHARE.ln() };
+            prior - 0.5 * information * (gain - self.seen).powi(2)
+        };
+        let best = log(self.seen.clamp(-self.limit, self.limit));
         let mut nodes: Vec<(f64, f64)> = (0..NODES)
             .map(|i| {
                 let gain = low + width * (i as f64 + 0.5);
@@ -202,10 +213,27 @@ mod tests {
         assert!(contradicted.mean().abs() < 1e-12);
         let ends = |gain: BoundedGain| gain.intervals_95(|g| [g], &[1e-9])[0];
         assert_eq!(ends(contradicted), ends(gain));
-        let doubtful = BoundedGain {
-            seen: 0.1 + 0.9 * BEYOND_CERTIFICATE / 1e2,
-            ..contradicted
+    }
+
+    /// Between what noise does and what nobody believes lies a certificate that may be wrong: the interval has both in it.
+    #[test]
+    fn inv_an_interval_reaches_from_the_certificate_to_what_contradicts_it() {
+        for deviations in [1.5, 2.5, 0.95 * BEYOND_CERTIFICATE] {
+            let doubtful = BoundedGain {
+                limit: 0.1,
+                seen: 0.1 + deviations / 1e2,
+                information: 1e4,
+            };
+            let [(_, high)] = doubtful.intervals_95(|g| [g], &[1e-9]);
+            assert!(high > doubtful.seen, "{high} of {}", doubtful.seen);
+        }
+        // What says next to nothing leaves the certificate nearly as it is.
+        let vague = BoundedGain {
+            limit: 0.1,
+            seen: 0.0,
+            information: 1.0,
         };
-        assert!(doubtful.mean() > 0.09);
+        let [(_, high)] = vague.intervals_95(|g| [g], &[1e-9]);
+        assert!((high / 0.1 - 0.98).abs() < 0.02, "{high}");
     }
 }

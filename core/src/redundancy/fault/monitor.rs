@@ -181,12 +181,11 @@ impl Monitor {
         self.begin(alarm, (&z, &from_rest))
     }
 
-    /// Takes nine voltages of which the rows say nothing, as of a sensor driven beyond its range: channels that stand still or are not
-    /// readable have failed as with [`Self::push`], and nothing else is tested.
+    /// Takes nine voltages of which the rows say nothing, as of a sensor driven beyond its range: channels that are not readable have failed
+    /// as with [`Self::push`], and nothing else is tested, since at the end of its range any channel stands still.
     #[cold]
     pub fn pass_over(&mut self, voltage_v: &[f64; LIMBS]) -> Option<Event> {
         self.received += 1;
-        self.held.push(voltage_v, self.ring.last());
         self.ring.push(voltage_v);
         self.attend(voltage_v, self.strains(voltage_v), false)
     }

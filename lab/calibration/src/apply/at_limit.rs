@@ -23,14 +23,22 @@ impl AtLimit {
         self.samples[limb].push(sample);
     }
 
-    /// How many limbs do within [`NEAR`] of a sample.
-    fn near(&self, sample: u64) -> usize {
+    /// How often a limb does within [`NEAR`] of a sample, and of how many samples that is.
+    fn near(&self, limb: usize, sample: u64) -> (usize, u64) {
         let (from, to) = (sample.saturating_sub(NEAR), sample + NEAR);
-        let is_near = |samples: &&Vec<u64>| {
-            let at = samples.partition_point(|&at| at < from);
-            samples.get(at).is_some_and(|&at| at <= to)
+        let before = |end: u64| self.samples[limb].partition_point(|&at| at < end);
+        (before(to + 1) - before(from), to + 1 - from)
+    }
+
+    /// Whether one that stands there at a sample is a failed channel: few do about then, or few nearly all the time, beside which others may clip.
+    fn has_failed(&self, limb: usize, sample: u64) -> bool {
+        let of = |limb: usize| self.near(limb, sample);
+        let stays = |limb: usize| {
+            let (there, of) = of(limb);
+            2 * there as u64 > of
         };
-        self.samples.iter().filter(is_near).count()
+        let count = |is: &dyn Fn(usize) -> bool| (0..LIMBS).filter(|limb| is(*limb)).count();
+        count(&|limb| of(limb).0 > 0) <= BLINDED || (stays(limb) && count(&stays) <= BLINDED)
     }
 
     /// Makes voltages of few limbs there, which the monitor could take for the others' failure, NaN. Those of many stay, and the monitor is
@@ -40,7 +48,7 @@ impl AtLimit {
         for limb in 0..LIMBS {
             for place in 0..self.samples[limb].len() {
                 let at = self.samples[limb][place];
-                if (first..end).contains(&at) && self.near(at) <= BLINDED {
+                if (first..end).contains(&at) && self.has_failed(limb, at) {
                     voltage_v.columns[limb][(at - first) as usize] = f64::NAN;
                 }
             }
@@ -101,6 +109,13 @@ mod tests {
                 (8, 3 * NEAR + 13),
             ];
             assert_eq!(blinded(&apart, block), [true; 4], "{block}");
+            // One that stays there has failed whatever others do for a moment, of which more than two are too many.
+            let mut stays: Vec<_> = (100..4 * NEAR).map(|at| (3, at)).collect();
+            stays.extend([(0, 2 * NEAR), (6, 2 * NEAR + 1)]);
+            let clipped = stays.len() - 2;
+            let found = blinded(&stays, block);
+            assert_eq!(found[..clipped], vec![true; clipped], "{block}");
+            assert_eq!(found[clipped..], [false; 2], "{block}");
             let chain = [(0, 10), (4, NEAR), (5, 2 * NEAR)];
             assert_eq!(blinded(&chain, block), [true, false, true], "{block}");
         }

@@ -28,6 +28,11 @@ pub struct FaultWatch {
     /// Voltage at the end of the converter's range. At samples at which a channel stands there and is not NaN the sensor is driven too hard,
     /// and what the others show is no failure.
     pub limit_v: f64,
+    /// Whether that has happened.
+    driven_beyond: bool,
+    /// Alarms that nothing explained, and rows that are marked for them.
+    dismissed: u64,
+    marked_for_nothing: u64,
     /// The sample at which the last alarm was raised, as long as limbs are suspected and none has been named.
     unexplained_since: Option<u64>,
     samples: u64,
@@ -84,6 +89,9 @@ impl FaultWatch {
             once_more: false,
             reach: 0,
             limit_v: f64::INFINITY,
+            driven_beyond: false,
+            dismissed: 0,
+            marked_for_nothing: 0,
             unexplained_since: None,
             samples: 0,
         })
@@ -112,12 +120,24 @@ impl FaultWatch {
         row: &Row,
         filtered: &Row,
     ) -> sixaxis_core::Result<Option<(SixAxis, [f64; 2])>> {
-        let watched = if row.iter().any(|voltage_v| voltage_v.abs() >= self.limit_v) {
-            self.stream.pass_over(row, filtered)?
-        } else {
+        let beyond = (0..LIMBS)
+            .filter(|&limb| row[limb].abs() >= self.limit_v)
+            .fold(LimbSet::EMPTY, LimbSet::with);
+        let mut watched = if beyond.is_empty() {
             self.stream.push_filtered(row, filtered)?
+        } else {
+            self.stream.pass_over(row, filtered)?
         };
         self.tell(&watched);
+        let beyond = beyond.minus(watched.excluded);
+        if !beyond.is_empty() && !self.driven_beyond {
+            self.driven_beyond = true;
+            self.messages.push(format!(
+                "sample {}: the sensor is driven beyond the converter's range (limbs {beyond}): such rows are marked in suspected_limbs, and rate and attitude from there on are not to be trusted, which no deviation says",
+                self.samples
+            ));
+        }
+        watched.suspected = watched.suspected.union(beyond);
         if watched.switched.is_some() {
             let since = self.since(&watched);
             self.found.excluded.from(since, watched.excluded);
@@ -134,6 +154,12 @@ impl FaultWatch {
 
     /// The recording has ended: an alarm that nothing has explained by then is said.
     pub fn finish(&mut self) {
+        if self.dismissed > 1 {
+            self.messages.push(format!(
+                "{} alarms were dismissed, for which {} rows in all are marked in suspected_limbs; where that is more than --false-alarms-per-hour allows for, limbs are not those of the calibration, or there is hum",
+                self.dismissed, self.marked_for_nothing
+            ));
+        }
         if let Some(sample) = self.unexplained_since {
             self.messages.push(format!(
                 "the recording ends before it can be told what has failed since sample {sample} or before: rows from there on are marked in suspected_limbs and not to be trusted"
@@ -161,6 +187,18 @@ impl FaultWatch {
 
     fn tell(&mut self, watched: &Watched) {
         let sample = self.samples;
+        if let (true, Some(since)) = (
+            watched.event == Some(Event::Dismissed),
+            self.unexplained_since,
+        ) {
+            self.dismissed += 1;
+            self.marked_for_nothing += sample - since;
+            if self.dismissed == 1 {
+                self.messages.push(format!(
+                    "sample {sample}: what was suspected since sample {since} is dismissed, it is no limb's failure that can be told; rows from there to here are marked in suspected_limbs"
+                ));
+            }
+        }
         if watched.suspected.is_empty() || matches!(watched.event, Some(Event::Identified(_))) {
             self.unexplained_since = None;
         } else if matches!(watched.event, Some(Event::Alarm(_))) {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::calibration::Calibration;
+use crate::conditioning::high_pass::BASELINE;
 use anyhow::{Context, Result, bail};
 use glam::DVec3;
 use sixaxis_core::aided::{Aid, Bound, ErrorFilter, bound};
@@ -150,6 +151,13 @@ impl Setup {
             // The amplifiers are those of the calibration unless somebody says otherwise.
             None => calibration.sensor.amplifier_high_pass_hz,
         };
+        notes.extend(amplifier_high_pass_hz.map(|corner_hz| {
+            format!(
+                "the amplifiers' high-pass of {corner_hz} Hz is undone from {BASELINE} samples at rest, whose noise becomes a ramp: as large as a channel's noise after {:.0} s. No deviation \
+                 knows of it, --watch may take it for a failure, and --aid refuse what contradicts it",
+                (BASELINE as f64).sqrt() / (core::f64::consts::TAU * corner_hz)
+            )
+        }));
         let cross_talk = calibration.cross_talk(&sensor).context("cross-talk")?;
         Ok(Self {
             sensor,

@@ -6,7 +6,7 @@ use sixaxis_core::dsp::stage::Stage;
 
 /// Samples that the level is the mean of: at rest in any run that begins at rest. What it is off by grows with time, because
 /// undoing a high-pass integrates.
-pub(super) const BASELINE: usize = 16;
+pub(crate) const BASELINE: usize = 16;
 
 /// One channel's amplifier, undone; the first [`BASELINE`] samples are handed on together.
 #[derive(Debug, Clone, PartialEq)]

@@ -148,10 +148,11 @@ pub fn explain(
     certain: &[Finding],
     suspected: Vec<Finding>,
 ) -> Vec<Finding> {
-    let (mut accounting, (clock, plugs)) = rayon::join(
-        || freedoms::tried(day),
+    let (freed, (clock, plugs)) = rayon::join(
+        || freedoms::Fits::of(day),
         || rayon::join(|| clock::tried(day), || plugs::tried(day)),
     );
+    let mut accounting = freed.accounting(day);
     accounting.extend(clock.into_iter().chain(plugs));
     if accounting.is_empty() {
         accounting.extend(stated::turned_on_the_flange(day));
@@ -163,7 +164,7 @@ pub fn explain(
         accounting.extend(mounts::tried(day));
     }
     if accounting.is_empty() {
-        accounting.extend(freedoms::tried_with_coloured_noise(day));
+        accounting.extend(freed.but_for_coloured_noise(day));
     }
     // The first one of its cause is the narrowest.
     accounting.dedup_by_key(|finding| finding.cause);

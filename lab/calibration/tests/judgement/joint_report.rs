@@ -25,6 +25,8 @@ const QUADRATURE: f64 = 5e-3;
 const LIMIT: f64 = 0.01;
 /// Relative standard deviation of every unknown.
 const SHARE: f64 = 1e-3;
+/// Deviation of what all sensitivities change by together from one kind of trials to the other.
+const TOGETHER: f64 = 1.1547e-3;
 /// Correlation of any two.
 const CORRELATION: f64 = 0.2;
 const DEGREES: usize = 20_000;
@@ -272,7 +274,7 @@ fn inv_trials_tell_the_gain_where_they_narrow_its_certificate() {
         close(
             "deviation",
             report.gain.deviation(),
-            0.3 * spread,
+            (0.3 * spread).hypot(TOGETHER),
             QUADRATURE,
         );
         assert!(!told(0.6, wider).0);
@@ -404,7 +406,8 @@ fn inv_the_mass_s_centre_is_told_and_kept() {
     assert_eq!(report_of(fit).nuisances().room.mass_centre_m, None);
 }
 
-/// Gravity tells the gain no better than it is known itself: a level rig at the equator was 16 half widths off.
+/// Gravity tells the gain no better than it is known itself: a level rig at the equator was 16 half widths off. Nor better than sensitivities
+/// stay from the trials that travel to those that turn: where all of them grew by 0.2 %, scale factors were ten half widths off.
 #[test]
 fn inv_a_gain_is_told_no_better_than_gravity_is_known() {
     let told = |gravity_deviation: f64| {
@@ -415,8 +418,9 @@ fn inv_a_gain_is_told_no_better_than_gravity_is_known() {
         let report = JointReport::new(fit, vec!["a".to_owned()], LIMIT, gravity_deviation);
         report.gain.deviation()
     };
-    close("gravity as stated", told(0.0), 1e-4, QUADRATURE);
-    close("to 0.1 %", told(1e-3), 1e-3_f64.hypot(1e-4), QUADRATURE);
+    close("as stated", told(0.0), TOGETHER.hypot(1e-4), QUADRATURE);
+    let uncertain = TOGETHER.hypot(1e-3).hypot(1e-4);
+    close("to 0.1 %", told(1e-3), uncertain, QUADRATURE);
 }
 
 #[test]
@@ -440,7 +444,7 @@ fn inv_instruments_are_told_in_their_own_units() {
     // The fit was made at a gain of nothing.
     let gyroscope = found.gyroscope_gain.expect("free");
     close("gyroscope", gyroscope.value, 2e-3 + 0.5 * 4e-3, QUADRATURE);
-    let expected = (SHARE * 2e-3_f64).hypot(0.5 * 1e-5);
+    let expected = (SHARE * 2e-3_f64).hypot(0.5 * TOGETHER);
     close("its deviation", gyroscope.deviation, expected, QUADRATURE);
     assert_eq!(found.gyroscope_lag_s, None);
     let corner = found.amplifier_corner_hz.expect("free");

@@ -3,6 +3,7 @@
 //! What was suspected of single trials by holding them against the others is worth something only if the others agree. That
 //! they do is for the joint fit to say, to which the trials in question are not shown.
 
+use rayon::prelude::*;
 use sixaxis_core::identify::static_load_sharing::StaticLoadSharing;
 
 use super::{Unaccounted, agreement, start};
@@ -34,10 +35,27 @@ pub fn tried(
         let of_runs = |finding: &Finding| is_of_runs(day, finding);
         return Some(of_single_trials.into_iter().filter(of_runs).collect());
     }
-    // The one thing that is wrong, if there is one; all that was suspected only if it takes all of it.
+    // The one thing that is wrong, if there is one; all that was suspected only if it takes all of it. What is suspected of the same
+    // trials, as of each of nine channels, is one fit to the others.
+    let mut alike: Vec<&Finding> = Vec::new();
+    for finding in &of_single_trials {
+        if !alike
+            .iter()
+            .any(|other| other.recordings == finding.recordings)
+        {
+            alike.push(finding);
+        }
+    }
+    let agreed_without: Vec<&Finding> = alike
+        .into_par_iter()
+        .filter(|finding| others_agree(day, certain, std::slice::from_ref(*finding)))
+        .collect();
     let borne_out: Vec<&Finding> = of_single_trials
         .iter()
-        .filter(|finding| others_agree(day, certain, std::slice::from_ref(*finding)))
+        .filter(|finding| {
+            let mut agreed = agreed_without.iter();
+            agreed.any(|other| other.recordings == finding.recordings)
+        })
         .collect();
     match borne_out[..] {
         [one] => Some(vec![one.clone()]),

@@ -54,48 +54,61 @@ const FREEDOMS: [(Freed, Told); 10] = [
     (delays, late_channels),
 ];
 
-/// The freedoms that account for all trials.
-#[must_use]
-pub fn tried(day: &Unaccounted<'_>) -> Vec<Finding> {
-    with_fits_that(day, JointReport::accounts)
+/// The fits of a day with each freedom for which the session leaves room.
+pub(super) struct Fits {
+    fits: Vec<(Told, Knowledge, JointReport)>,
+    /// The slowest and the fastest drive, rad/s.
+    drives_rad_s: [f64; 2],
 }
 
-/// Those that leave next to nothing of what the trials contradict each other by, but more than white noise.
-#[must_use]
-pub fn tried_with_coloured_noise(day: &Unaccounted<'_>) -> Vec<Finding> {
-    // Where no fit was possible the trials contradict each other by more than any that is.
-    let mut found = with_fits_that(day, |joint| match day.joint {
-        Ok(before) => joint.leaves_little_of(&before.misfit),
-        Err(_) => joint.nearly_accounts(),
-    });
-    for finding in &mut found {
-        finding.evidence = finding.evidence.replace(
-            "all trials agree to the noise",
-            "all trials agree but for noise that is not white",
-        );
+impl Fits {
+    pub(super) fn of(day: &Unaccounted<'_>) -> Self {
+        let trials: Vec<&Trial> = day.campaign.trials.iter().map(|(trial, _)| trial).collect();
+        let rest = at_rest(day.drift);
+        let drives = || trials.iter().map(|trial| TAU * trial.frequency_hz);
+        let of = |(free, told): &(Freed, Told)| {
+            let mut freed = *day.knowledge;
+            free(day, &mut freed.certificates)?;
+            let joint = day.fit(&trials, &rest, &day.start, &freed)?;
+            Some((*told, freed, joint))
+        };
+        Self {
+            fits: FREEDOMS.par_iter().filter_map(of).collect(),
+            drives_rad_s: [
+                drives().fold(f64::INFINITY, f64::min),
+                drives().fold(0.0, f64::max),
+            ],
+        }
     }
-    found
-}
 
-fn with_fits_that(
-    day: &Unaccounted<'_>,
-    will_do: impl Fn(&JointReport) -> bool + Sync,
-) -> Vec<Finding> {
-    let trials: Vec<&Trial> = day.campaign.trials.iter().map(|(trial, _)| trial).collect();
-    let rest = at_rest(day.drift);
-    let drives = || trials.iter().map(|trial| TAU * trial.frequency_hz);
-    let drives_rad_s = [
-        drives().fold(f64::INFINITY, f64::min),
-        drives().fold(0.0, f64::max),
-    ];
-    let of = |(free, told): &(Freed, Told)| {
-        let mut freed = *day.knowledge;
-        free(day, &mut freed.certificates)?;
-        let joint = day.fit(&trials, &rest, &day.start, &freed)?;
-        let joint = Some(joint).filter(&will_do)?;
-        told(&joint, [day.knowledge, &freed], drives_rad_s)
-    };
-    FREEDOMS.par_iter().filter_map(of).collect()
+    /// The freedoms that account for all trials.
+    pub(super) fn accounting(&self, day: &Unaccounted<'_>) -> Vec<Finding> {
+        self.that(day, JointReport::accounts)
+    }
+
+    /// Those that leave next to nothing of what the trials contradict each other by, but more than white noise.
+    pub(super) fn but_for_coloured_noise(&self, day: &Unaccounted<'_>) -> Vec<Finding> {
+        // Where no fit was possible the trials contradict each other by more than any that is.
+        let mut found = self.that(day, |joint| match day.joint {
+            Ok(before) => joint.leaves_little_of(&before.misfit),
+            Err(_) => joint.nearly_accounts(),
+        });
+        for finding in &mut found {
+            finding.evidence = finding.evidence.replace(
+                "all trials agree to the noise",
+                "all trials agree but for noise that is not white",
+            );
+        }
+        found
+    }
+
+    fn that(&self, day: &Unaccounted<'_>, will_do: impl Fn(&JointReport) -> bool) -> Vec<Finding> {
+        let fits = self.fits.iter().filter(|(_, _, joint)| will_do(joint));
+        fits.filter_map(|(told, freed, joint)| {
+            told(joint, [day.knowledge, freed], self.drives_rad_s)
+        })
+        .collect()
+    }
 }
 
 /// An unknown with its standard deviation.

@@ -1,5 +1,6 @@
 //! `--watch`: a limb dies in mid-run, is named and done without.
 
+use std::ops::Range;
 use std::path::Path;
 
 use sixaxis_calibration::calibration::Calibration;
@@ -309,10 +310,10 @@ fn neg_the_converter_s_end_does_not_depend_on_blocks() {
     let volts: Vec<Vec<f64>> = volts.iter().map(repeated).collect();
     let clipped = folder.join(compound().file_name().expect("a name"));
     let out = folder.join("out.csv");
-    let said = |clips: &[(usize, usize)]| {
+    let said_of = |clips: &[(usize, Range<usize>)]| {
         let mut volts = volts.clone();
-        for &(limb, at) in clips {
-            volts[limb][at..at + 3].fill(9.9997);
+        for (limb, samples) in clips {
+            volts[*limb][samples.clone()].fill(9.9997);
         }
         write(&clipped, &LIMBS, "V", &volts, rate_hz);
         let arguments = ["decouple", &json, text(&clipped), "--session", text(&toml)];
@@ -320,11 +321,28 @@ fn neg_the_converter_s_end_does_not_depend_on_blocks() {
             &[&arguments[..], &["--out", text(&out), "--watch"]].concat(),
         ))
     };
+    let said = |clips: &[(usize, usize)]| {
+        let short = clips.iter().map(|&(limb, at)| (limb, at..at + 3));
+        said_of(&short.collect::<Vec<_>>())
+    };
     for last in [16_370, 16_390] {
         let driven = said(&[(0, 16_350), (4, 16_360), (5, last)]);
         assert!(driven.contains("at the converter's limit"), "{driven}");
+        assert!(
+            driven.contains("sample 16350: the sensor is driven beyond"),
+            "{driven}"
+        );
         assert!(!driven.contains("decoded without"), "{last}: {driven}");
     }
+    // Standing still is no failure there, nor is one that stays there excused by others that clip for a moment.
+    let held = said_of(&[0, 4, 5].map(|limb| (limb, 16_000..16_200)));
+    assert!(!held.contains("decoded without"), "{held}");
+    let stays = said_of(&[(3, 5_000..SAMPLES), (0, 9_000..9_003), (6, 9_000..9_003)]);
+    assert!(
+        stays.contains("limb 4: no readable value since sample 5000"),
+        "{stays}"
+    );
+    assert_eq!(stays.matches("decoded without").count(), 1, "{stays}");
     let clips = [(0, 500), (4, 9_700), (5, 18_900), (8, 28_100)];
     let apart = said(&clips);
     for (limb, _) in clips {
