@@ -29,7 +29,6 @@ impl FreeSensor {
     ///
     /// # Panics
     /// If MuJoCo refuses the sensor.
-    #[must_use]
     pub fn new(run: &Run) -> Self {
         let model = model(run);
         let compiled =

@@ -39,7 +39,6 @@ pub struct GaussNewton {
 
 impl GaussNewton {
     /// From the drawing.
-    #[must_use]
     pub fn new(geometry: &Geometry) -> Self {
         Self {
             t: geometry.mass_hinges_m().map(v3),
@@ -50,7 +49,6 @@ impl GaussNewton {
     }
 
     /// The pose with the nine lengths L + `elongation_m`: least squares by Gauss-Newton from `start`.
-    #[must_use]
     pub fn pose(&self, elongation_m: &[f64; LIMBS], start: Pose) -> Pose {
         let (mut r, mut phi) = (v3(start.position_shell_m), v3(start.rotation_rad));
         for _ in 0..ITERATIONS {

@@ -8,13 +8,11 @@ use sixaxis_props::provenance::output;
 use sixaxis_props::results::Machine;
 
 /// Logical cores, 1 where that is not known.
-#[must_use]
 pub fn logical_cores() -> usize {
     thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// The value of a line of a file of `name: value` lines, if there is such a file.
-#[must_use]
 pub fn line_of(path: &str, name: &str) -> Option<String> {
     let text = fs::read_to_string(path).ok()?;
     let line = text.lines().find(|line| line.starts_with(name))?;
@@ -22,7 +20,6 @@ pub fn line_of(path: &str, name: &str) -> Option<String> {
 }
 
 /// The largest memory that this process has had so far (resident set, `VmHWM`); none where the system does not say.
-#[must_use]
 pub fn peak_memory_bytes() -> Option<u64> {
     let value = line_of("/proc/self/status", "VmHWM")?;
     let kib: u64 = value.strip_suffix("kB")?.trim().parse().ok()?;
@@ -31,7 +28,6 @@ pub fn peak_memory_bytes() -> Option<u64> {
 
 /// Processor time of all threads of this process so far, s, in steps of 10 ms (`utime` and `stime`); none where the system
 /// does not say.
-#[must_use]
 pub fn processor_s() -> Option<f64> {
     // What the clock of /proc ticks at, whatever the kernel's own does.
     const TICKS_PER_S: f64 = 100.0;
@@ -43,7 +39,6 @@ pub fn processor_s() -> Option<f64> {
 }
 
 /// This machine.
-#[must_use]
 pub fn machine() -> Machine {
     let mut compiled_for = Vec::new();
     let mut processor_has = Vec::new();

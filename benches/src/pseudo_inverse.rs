@@ -27,7 +27,6 @@ fn pseudo_inverse<const N: usize>(matrix: DMatrix<f64>, right_side: &DVector<f64
 ///
 /// # Panics
 /// Never: the singular vectors are computed.
-#[must_use]
 pub fn scale_per_mass(rows: &ScaleRows) -> [f64; LIMBS] {
     let n = rows.0.len();
     let mut matrix = DMatrix::zeros(3 * n, LIMBS);
@@ -47,7 +46,6 @@ pub fn scale_per_mass(rows: &ScaleRows) -> [f64; LIMBS] {
 ///
 /// # Panics
 /// Never: the singular vectors are computed.
-#[must_use]
 pub fn inertia_per_mass(rows: &InertiaRows) -> [f64; 6] {
     let n = rows.0.len();
     let hinges = Geometry::PAPER.mass_hinges_m();

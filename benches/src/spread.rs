@@ -6,7 +6,6 @@ use sixaxis_props::results::Spread;
 ///
 /// # Panics
 /// If there is no value.
-#[must_use]
 pub fn spread(mut values: Vec<f64>, scale: f64) -> Spread {
     values.sort_by(f64::total_cmp);
     let at = |share: f64| {
@@ -25,7 +24,6 @@ pub fn spread(mut values: Vec<f64>, scale: f64) -> Spread {
 }
 
 /// A number with four digits.
-#[must_use]
 pub fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }

@@ -144,7 +144,6 @@ pub struct Ride {
 ///
 /// # Panics
 /// If the sensor cannot be loaded so.
-#[must_use]
 pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcome> {
     let Ride {
         played: by,

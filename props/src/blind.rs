@@ -103,7 +103,6 @@ pub const CYCLE: u64 = (HEALTHY.len() + OF_A_KIND * Kind::ALL.len()) as u64;
 
 impl Cell {
     /// The cell of a seed: all of a cycle in turn.
-    #[must_use]
     pub fn of(seed: u64) -> Self {
         let place = (seed % CYCLE) as usize;
         HEALTHY
@@ -113,7 +112,6 @@ impl Cell {
     }
 
     /// The defect.
-    #[must_use]
     pub const fn kind(self) -> Option<Kind> {
         match self {
             Self::Defect(kind) => Some(kind),
@@ -123,7 +121,6 @@ impl Cell {
 }
 
 /// The plan of a session of a cell.
-#[must_use]
 pub fn plan(cell: Cell, seed: u64, engine: Engine) -> SessionPlan {
     let mut plan = SessionPlan {
         seed,
@@ -160,7 +157,6 @@ pub fn plan(cell: Cell, seed: u64, engine: Engine) -> SessionPlan {
 const NEAR_A_THOUSAND: f64 = 2.5;
 
 /// The cause that a verdict on a defect should name; none where the judge has no word for it.
-#[must_use]
 pub fn cause_of(kind: Kind, magnitude: f64) -> Option<Cause> {
     Some(match kind {
         Kind::MillivoltMixUp if magnitude < NEAR_A_THOUSAND => Cause::WrongScaling,
@@ -232,14 +228,12 @@ pub struct Outcome {
 /// Whether the recordings of a day could contradict one another: a limb that was always weaker is another scale factor, a gain or a drawing
 /// that is written wrongly all day stands in for another sensor, and what is decoupled with the same numbers is right. Only a design
 /// value can show these, if one scale factor stands out of the others.
-#[must_use]
 pub const fn could_show(kind: Kind) -> bool {
     !matches!(kind, Kind::DeadLimb | Kind::WrongGain | Kind::WrongHalfEdge)
 }
 
 impl Outcome {
     /// What the cause named first is worth.
-    #[must_use]
     pub fn naming(&self) -> Naming {
         match self.cause {
             None | Some(Cause::Unexplained | Cause::JointFitRefused | Cause::Unreadable) => {
@@ -256,13 +250,11 @@ impl Outcome {
     }
 
     /// Whether the recordings of the day could have contradicted one another.
-    #[must_use]
     pub fn could_show(&self) -> bool {
         self.cell.kind().is_none_or(could_show)
     }
 
     /// Called good although it does not keep what good states.
-    #[must_use]
     pub fn is_false_good(&self) -> bool {
         self.grade == Some(Grade::Good) && self.harm.as_ref().is_none_or(Harm::breaks_the_promise)
     }

@@ -25,7 +25,6 @@ pub fn fails_clearly(what: impl Into<String>, error: f64, tolerance: Tolerance) 
 }
 
 /// The larger of two numbers; NaN if either is.
-#[must_use]
 pub fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() {
         f64::NAN

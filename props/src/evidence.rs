@@ -56,14 +56,12 @@ impl Row {
     ///
     /// # Panics
     /// On a thread that is not a test's.
-    #[must_use]
     pub fn new(quantity: impl Into<String>, error: f64, tolerance: Tolerance) -> Self {
         let (suite, case) = running();
         Self::of(&suite, case, quantity, error, tolerance)
     }
 
     /// A row of a suite and a case by name: for comparisons that no test makes.
-    #[must_use]
     pub fn of(
         suite: &str,
         case: impl Into<String>,
@@ -117,14 +115,12 @@ impl Row {
 
     /// Error over what is allowed: the limit and, where it stands beside the comparison, the reference's own error.
     /// NaN for an error that is NaN.
-    #[must_use]
     pub fn share(&self) -> f64 {
         self.error / (self.limit + self.reference_error.unwrap_or(0.0))
     }
 
     /// Whether a comparison is within its limit, or a negative control far enough beyond it. False for NaN, and for a
     /// negative error, which is no magnitude.
-    #[must_use]
     pub fn holds(&self) -> bool {
         match self.control {
             None => (0.0..=1.0).contains(&self.share()),
@@ -185,7 +181,6 @@ pub struct Quantiles {
 
 impl Quantiles {
     /// Of any set of numbers; NaN counts as larger than all. None of an empty set.
-    #[must_use]
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut values: Vec<f64> = values
             .into_iter()
@@ -233,7 +228,6 @@ impl std::fmt::Display for Quantiles {
 }
 
 /// Folder of the evidence: `target/evidence`, unless `SIXAXIS_EVIDENCE` names another.
-#[must_use]
 pub fn folder() -> PathBuf {
     std::env::var_os("SIXAXIS_EVIDENCE").map_or_else(
         || PathBuf::from(env!("SIXAXIS_EVIDENCE_DIR")),

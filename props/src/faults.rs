@@ -61,14 +61,12 @@ pub struct Scene {
 
 impl Scene {
     /// Draws one. Channels' noise is that of a chain of 60 dB, times a factor of each channel's own of up to `unequal`.
-    #[must_use]
     pub fn random(seed: u64, unequal: f64) -> Self {
         Self::draw(seed, unequal, None)
     }
 
     /// The same with scale factors that differ from their mean by up to a share `spread`, and one range of all amplifiers: nearly the same
     /// strain per volt.
-    #[must_use]
     pub fn alike(seed: u64, spread: f64) -> Self {
         Self::draw(seed, 1.0, Some(spread))
     }
@@ -154,7 +152,6 @@ impl Scene {
     }
 
     /// Voltages without noise.
-    #[must_use]
     pub fn voltage_v(&self, sample: u64) -> [f64; LIMBS] {
         self.chain.voltage_v(&self.force_m_s2(sample))
     }
@@ -163,7 +160,6 @@ impl Scene {
     ///
     /// # Panics
     /// If it refuses a sound sensor.
-    #[must_use]
     pub fn monitor(&self, false_alarms_per_hour: f64) -> Monitor {
         let (watch, settings) = self.watch(false_alarms_per_hour);
         Monitor::new(&self.sensor, &self.parameters, &settings, &watch).expect("a sound sensor")
@@ -173,7 +169,6 @@ impl Scene {
     ///
     /// # Panics
     /// As [`Self::monitor`].
-    #[must_use]
     pub fn stream(&self, false_alarms_per_hour: f64) -> FaultTolerant<Vec<[f64; LIMBS]>> {
         let (watch, settings) = self.watch(false_alarms_per_hour);
         let rows = vec![[0.0; LIMBS]; ROWS_KEPT];
@@ -234,7 +229,6 @@ impl Name {
     ];
 
     /// As the monitor names it.
-    #[must_use]
     pub const fn kind(self) -> Kind {
         match self {
             Self::Dead => Kind::Dead,
@@ -264,7 +258,6 @@ pub struct Outcome {
 }
 
 /// Plays a motion with a failure to a monitor until it has had its say.
-#[must_use]
 pub fn trial(seed: u64, fault: &Fault) -> Outcome {
     let scene = Scene::random(seed, 1.0);
     let mut monitor = scene.monitor(FALSE_ALARMS_PER_HOUR);

@@ -16,7 +16,6 @@ use sixaxis_reference::laboratory::session::simulate_session;
 
 /// A plan that is fitted in hundredths of a second: a random sensor on limbs that do not give way, six of the paper's ten trials, a
 /// quarter of the sample rate. Enough of the latter that the run-up's harmonics are not folded back.
-#[must_use]
 pub fn small(seed: u64) -> SessionPlan {
     let mut plan = SessionPlan {
         seed,
@@ -33,7 +32,6 @@ pub fn small(seed: u64) -> SessionPlan {
 
 /// A plan without noise, sampled fast enough that the reference's gyroscope, which takes the rate for a cubic between samples,
 /// is right to a millionth.
-#[must_use]
 pub fn noise_free(seed: u64) -> SessionPlan {
     let mut plan = small(seed);
     plan.sample_rate_hz = 2000.0;
@@ -96,7 +94,6 @@ impl Fitted {
 
     /// Errors of drifts, scale factors and inertias with the accelerometer's gain told, each over its bound: what is left is
     /// noise.
-    #[must_use]
     pub fn standardised(&self) -> [f64; PARAMETERS - 1] {
         let estimate = &self.joint.estimate;
         let found = estimate.values(self.instruments.accelerometer_gain_error);
@@ -105,7 +102,6 @@ impl Fitted {
     }
 
     /// The same over what is stated, the accelerometer's gain apart: how far sensitivities move is in that as well.
-    #[must_use]
     pub fn over_stated(&self) -> [f64; PARAMETERS - 1] {
         let estimate = &self.joint.estimate;
         let found = estimate.values(self.instruments.accelerometer_gain_error);
@@ -121,7 +117,6 @@ impl Fitted {
     ///
     /// # Panics
     /// For a covariance that is none.
-    #[must_use]
     pub fn squares_over_covariance(&self) -> f64 {
         let deviations = self.joint.estimate.deviations();
         let covariance = self.joint.estimate.parameter_covariance();
@@ -138,7 +133,6 @@ impl Fitted {
     }
 
     /// Errors of scale factors and inertias, the accelerometer's gain told, over the value and over the mean moment.
-    #[must_use]
     pub fn relative(&self) -> [f64; PARAMETERS - 10] {
         let found = self
             .joint
@@ -173,7 +167,6 @@ pub fn plain_least_squares(
 }
 
 /// Means and mean squares of some numbers over many campaigns, from independent seeds, in their order.
-#[must_use]
 pub fn moments<const N: usize>(cases: &[[f64; N]]) -> ([f64; N], [f64; N]) {
     let n = cases.len() as f64;
     let mean = |of: &dyn Fn(f64) -> f64| {

@@ -58,7 +58,6 @@ impl Case {
     /// Number `index` of the cases that `seed` stands for, the same on every machine: a random sensor under gravity, and a
     /// random motion of it, within the rig's travel and speed (up to 93 mm, 100 deg, 1 to 5 Hz) or, as often, far beyond (up
     /// to 500 m/s^2, 50 rad/s, 5 to 200 Hz).
-    #[must_use]
     pub fn numbered(seed: u64, index: u64) -> Self {
         let rng = &mut Pcg64::new((u128::from(seed) << 64) | u128::from(index), STREAM);
         let parameters = truth::random_parameters(rng);
@@ -77,13 +76,11 @@ impl Case {
     }
 
     /// Samples per second.
-    #[must_use]
     pub fn sample_rate_hz(&self) -> f64 {
         (SAMPLES_PER_PERIOD * self.motion.highest_frequency_hz()).max(LOWEST_RATE_HZ)
     }
 
     /// The rise and two periods of the fastest sine.
-    #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.motion.rise_s + 2.0 / self.motion.highest_frequency_hz()
     }
@@ -103,7 +100,6 @@ impl Case {
     ///
     /// # Panics
     /// If the simulation or the decoupler refuses.
-    #[must_use]
     pub fn decoupled(&self, refinement: usize, scheme: Scheme) -> Decoupled {
         let rate = self.sample_rate_hz();
         let steps = (1.0 / (rate * LONGEST_STEP_S)).ceil() as usize * refinement;
@@ -157,7 +153,6 @@ impl Case {
 
     /// Nine rows of the suite `motions`: three axes each of linear acceleration, angular acceleration and rate, over the
     /// peak of the vector.
-    #[must_use]
     pub fn compare(&self, case: &str, scheme: Scheme, tolerance: Tolerance) -> Vec<Row> {
         let frequency_hz = self.motion.highest_frequency_hz();
         let [usual, halved] = [1, 2].map(|refinement| self.decoupled(refinement, scheme));
@@ -282,7 +277,6 @@ impl Decoupled {
 }
 
 /// The rows of `count` cases in order, computed in parallel; `done` is called after each.
-#[must_use]
 pub fn compare_all(
     seed: u64,
     count: u64,

@@ -89,7 +89,6 @@ impl World {
     ///
     /// # Panics
     /// If MuJoCo refuses a run within the rig's limits.
-    #[must_use]
     pub fn play(size: Size) -> Self {
         let truth = truth::identified_parameters();
         let sensor = TrueSensor::identified();
@@ -183,7 +182,6 @@ impl World {
     }
 
     /// The same laboratory with all its errors a share of what they are: what first order leaves out shrinks with its square.
-    #[must_use]
     pub fn times(&self, share: f64) -> Self {
         let all = &self.sources;
         let sources = Sources {
@@ -209,7 +207,6 @@ impl World {
     }
 
     /// The laboratory's noise without its standards' gains and its wedges.
-    #[must_use]
     pub fn noise_alone(&self) -> Sources {
         Sources {
             accelerometer_gain: 0.0,
@@ -223,7 +220,6 @@ impl World {
     ///
     /// # Panics
     /// Never: what cleans without errors cleans with them.
-    #[must_use]
     pub fn draw(&self, sources: &Sources, seed: u64) -> (Campaign, Vec<Trial>) {
         let mut dice = Dice(Pcg64::new(u128::from(seed), STREAM));
         let mut campaign = self.clean.clone();
@@ -289,7 +285,6 @@ impl World {
     ///
     /// # Panics
     /// If the decoupler refuses.
-    #[must_use]
     pub fn decouple(trial: &Trial, parameters: &Parameters) -> Vec<SixAxis> {
         let (sensor, settings) = (trial.sensor(Geometry::PAPER), trial.settings(Scheme::Heun));
         decouple(&sensor, parameters, &settings, &trial.voltage_v)
@@ -297,7 +292,6 @@ impl World {
     }
 
     /// True parameters, for the player's own use.
-    #[must_use]
     pub fn truth(&self) -> &Parameters {
         &self.truth
     }
@@ -307,7 +301,6 @@ impl World {
 ///
 /// # Panics
 /// If a step refuses.
-#[must_use]
 pub fn calibrate(campaign: &Campaign) -> SVector<f64, PARAMETERS> {
     let (parameters, compliance) = identified(campaign);
     let mut all = SVector::<f64, PARAMETERS>::zeros();
@@ -327,7 +320,6 @@ pub fn calibrate(campaign: &Campaign) -> SVector<f64, PARAMETERS> {
 ///
 /// # Panics
 /// If a step refuses.
-#[must_use]
 pub fn identified(campaign: &Campaign) -> (Parameters, f64) {
     let drift = zero_drift::identify(&campaign.static_voltage_v).expect("step 1 is possible");
     let scale = campaign

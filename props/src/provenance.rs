@@ -75,13 +75,11 @@ pub struct Sample {
 }
 
 /// The workspace that this was built in.
-#[must_use]
 pub fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
 /// What a command prints in the workspace, if there is such a command and it succeeds.
-#[must_use]
 pub fn output(program: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(program)
         .args(arguments)
@@ -94,7 +92,6 @@ pub fn output(program: &str, arguments: &[&str]) -> Option<String> {
 
 /// The commit that the workspace is at; behind it, where tracked files have been changed since, `-dirty-` and a digest of the
 /// changes. `unknown` outside a checkout. Asked once a process.
-#[must_use]
 pub fn revision() -> &'static str {
     static REVISION: LazyLock<String> = LazyLock::new(|| {
         let commit = output("git", &["rev-parse", "--short=12", "HEAD"]);
@@ -111,7 +108,6 @@ pub fn revision() -> &'static str {
 }
 
 /// The time now as `2026-01-31T23:59:59Z`.
-#[must_use]
 pub fn date_utc() -> String {
     chrono::DateTime::<chrono::Utc>::from(std::time::SystemTime::now())
         .to_rfc3339_opts(chrono::SecondsFormat::Secs, true)

@@ -63,13 +63,11 @@ impl Arguments {
     }
 
     /// Whether an option is there.
-    #[must_use]
     pub fn has(&self, name: &str) -> bool {
         self.0.iter().any(|argument| argument == name)
     }
 
     /// The word behind an option.
-    #[must_use]
     pub fn text(&self, name: &str) -> Option<&str> {
         let at = self.0.iter().position(|argument| argument == name)?;
         self.0.get(at + 1).map(String::as_str)
@@ -207,7 +205,6 @@ fn check<S: Studied>(
 }
 
 /// What the program ends with.
-#[must_use]
 pub fn end(result: Result<(), String>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,

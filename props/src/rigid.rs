@@ -9,7 +9,6 @@ use sixaxis_reference::sensor::TrueSensor;
 ///
 /// # Panics
 /// Never: three nodes hold a body.
-#[must_use]
 pub fn forces(acceleration: DVec3, torque: DVec3) -> [f64; LIMBS] {
     // The inertia has no part in it: the torque is given.
     RigidSensor::new(&TrueSensor::design(), &[1.0; LIMBS])

@@ -11,7 +11,6 @@ const SEED: u64 = 20131;
 ///
 /// # Panics
 /// If `SIXAXIS_SEED` is neither a number nor `random`.
-#[must_use]
 pub fn seed() -> u64 {
     static OF_THIS_RUN: OnceLock<u64> = OnceLock::new();
     let seed = *OF_THIS_RUN.get_or_init(|| match std::env::var("SIXAXIS_SEED") {

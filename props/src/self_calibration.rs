@@ -46,7 +46,6 @@ pub fn nine(rng: &mut Pcg64) -> [f64; LIMBS] {
 }
 
 /// Nine numbers without their mean.
-#[must_use]
 pub fn without_mean(values: [f64; LIMBS]) -> [f64; LIMBS] {
     let mean = values.iter().sum::<f64>() / LIMBS as f64;
     values.map(|value| value - mean)
@@ -57,7 +56,6 @@ impl Case {
     ///
     /// # Panics
     /// Never: the paper's geometry holds its mass.
-    #[must_use]
     pub fn random(seed: u64, duration_s: f64) -> Self {
         Self::of(seed, Pace::Brisk, duration_s, DRIFT)
     }
@@ -66,7 +64,6 @@ impl Case {
     ///
     /// # Panics
     /// Never.
-    #[must_use]
     pub fn of(seed: u64, pace: Pace, duration_s: f64, drift: f64) -> Self {
         let mut rng = Pcg64::new(u128::from(seed), SENSOR_STREAM);
         let truth = truth::random_parameters(&mut rng);
@@ -88,7 +85,6 @@ impl Case {
     ///
     /// # Panics
     /// Never.
-    #[must_use]
     pub fn calibrated(
         seed: u64,
         truth: Parameters,
@@ -138,7 +134,6 @@ impl Case {
     }
 
     /// What a laboratory knows of the sensor.
-    #[must_use]
     pub fn sensor(&self) -> Sensor {
         Sensor {
             geometry: Geometry::PAPER,
@@ -147,7 +142,6 @@ impl Case {
     }
 
     /// From rest, tared, under gravity.
-    #[must_use]
     pub fn settings(&self) -> Settings {
         Settings {
             gravity_ground_m_s2: self.field.gravity_ground_m_s2,
@@ -156,7 +150,6 @@ impl Case {
     }
 
     /// ln of the true scale factors over the calibration's.
-    #[must_use]
     pub fn true_ln_scale(&self) -> [f64; LIMBS] {
         core::array::from_fn(|i| {
             (self.truth.scale_per_mass_per_kg[i] / self.calibration.scale_per_mass_per_kg[i]).ln()
@@ -164,13 +157,11 @@ impl Case {
     }
 
     /// The same without their mean.
-    #[must_use]
     pub fn true_ln_ratio(&self) -> [f64; LIMBS] {
         without_mean(self.true_ln_scale())
     }
 
     /// Tared voltages without noise.
-    #[must_use]
     pub fn voltage_v(&self) -> Vec<[f64; LIMBS]> {
         let sensor = truth::sensor(&self.truth);
         let gains = &self.gains.gain_n_per_v;
@@ -182,7 +173,6 @@ impl Case {
     }
 
     /// White noise of one sample of each channel, V, as a share of its peak.
-    #[must_use]
     pub fn noise_v(&self, share: f64) -> [f64; LIMBS] {
         let clean = self.voltage_v();
         core::array::from_fn(|i| {
@@ -195,7 +185,6 @@ impl Case {
     }
 
     /// Voltages with white noise.
-    #[must_use]
     pub fn noisy_v(&self, share: f64) -> Vec<[f64; LIMBS]> {
         let noise = self.noise_v(share);
         let mut rng = Pcg64::new(u128::from(self.seed), NOISE_STREAM);
@@ -231,7 +220,6 @@ impl Case {
 }
 
 /// Errors of some ratios, limb by limb.
-#[must_use]
 pub fn errors(found: &ScaleRatios, true_ln_ratio: &[f64; LIMBS]) -> [f64; LIMBS] {
     core::array::from_fn(|i| found.ln_ratio[i] - true_ln_ratio[i])
 }

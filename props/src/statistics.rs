@@ -16,7 +16,6 @@ pub const ONE_IN_A_MILLION: f64 = 4.8916;
 
 /// Interval that a chi-square variable stays in with the probability that belongs to the normal quantile `z`, by Wilson
 /// and Hilferty's cube root: good to a per cent of the interval's width from ten degrees of freedom.
-#[must_use]
 fn chi_square_interval(degrees_of_freedom: usize, z: f64) -> (f64, f64) {
     let n = degrees_of_freedom as f64;
     let spread = (2.0 / (9.0 * n)).sqrt();
@@ -25,7 +24,6 @@ fn chi_square_interval(degrees_of_freedom: usize, z: f64) -> (f64, f64) {
 }
 
 /// Distance of a chi-square variable from the middle of its interval, in half widths: at most 1 unless it is not one.
-#[must_use]
 pub fn chi_square_departure(value: f64, degrees_of_freedom: usize) -> f64 {
     let (low, high) = chi_square_interval(degrees_of_freedom, ONE_IN_A_MILLION);
     (value - 0.5 * (low + high)).abs() / (0.5 * (high - low))
@@ -36,7 +34,6 @@ pub fn chi_square_departure(value: f64, degrees_of_freedom: usize) -> f64 {
 ///
 /// # Panics
 /// For a confidence that is not between 0 and 1.
-#[must_use]
 pub fn poisson_interval(count: u64, confidence: f64) -> [f64; 2] {
     let beyond = 0.5 * (1.0 - confidence);
     let half = |tail: f64, freedom: u64| {
@@ -51,7 +48,6 @@ pub fn poisson_interval(count: u64, confidence: f64) -> [f64; 2] {
 
 /// The least share of which so many of so many may be seen, but for a chance of one in a million: the lower end of Clopper and
 /// Pearson's interval, a quantile of the beta distribution B(k, n - k + 1).
-#[must_use]
 pub fn least_share(count: usize, of: usize) -> f64 {
     if count == 0 {
         return 0.0;

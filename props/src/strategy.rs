@@ -11,7 +11,6 @@ use crate::seed::seed;
 
 /// `cases` runs from [`seed`]; `SIXAXIS_CASES` is an upper bound on their number, for tools that run the suites a thousand
 /// times over.
-#[must_use]
 pub fn config(cases: u32) -> Config {
     let bound = std::env::var("SIXAXIS_CASES")
         .ok()

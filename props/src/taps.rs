@@ -62,7 +62,6 @@ pub struct Recorded {
 
 impl Case {
     /// Draws a sensor, a tap and errors of what is known beforehand.
-    #[must_use]
     pub fn random(seed: u64) -> Self {
         let mut rng = Pcg64::new(u128::from(seed), STREAM);
         let truth = truth::random_parameters(&mut rng);
@@ -91,7 +90,6 @@ impl Case {
     }
 
     /// The sensor as MuJoCo has it.
-    #[must_use]
     pub fn model(&self) -> SensorModel {
         let gravity_ground_m_s2 = Mounting::AxisVertical.gravity_ground_m_s2(glam::DVec3::Z);
         SensorModel {
@@ -122,7 +120,6 @@ impl Case {
     }
 
     /// The measuring chain: ranges that fit, noise of one size in all channels.
-    #[must_use]
     pub fn measured(&self, force: Vec<[f64; LIMBS]>, noise_share: f64) -> Recorded {
         let gains = truth::amplifier_ranges(&force, &self.truth);
         let rest = force[0];
@@ -160,7 +157,6 @@ impl Case {
     }
 
     /// What the fit is told.
-    #[must_use]
     pub fn setup<'a>(&'a self, sensor: &'a Sensor) -> Setup<'a> {
         let deviation = inertia_deviation_m2(&self.truth);
         Setup {
@@ -182,7 +178,6 @@ impl Case {
     }
 
     /// Error of ln k/m.
-    #[must_use]
     pub fn error_ln(&self, tap: &Tap) -> f64 {
         (tap.stiffness_per_mass_per_s2 / self.truth.stiffness_per_mass_per_s2).ln()
     }
@@ -262,7 +257,6 @@ const BAR_LN: f64 = 1e-3;
 
 impl Tally {
     /// Counts; none of no outcome at all.
-    #[must_use]
     pub fn of(damping_ratio: f64, taps: usize, outcomes: &[Outcome]) -> Self {
         let used: Vec<&Outcome> = outcomes.iter().filter(|o| o.determined).collect();
         let n = used.len() as f64;

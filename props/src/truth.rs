@@ -15,7 +15,6 @@ use sixaxis_reference::mujoco::model::SensorModel;
 use sixaxis_reference::sensor::{self, TrueSensor};
 
 /// The 25 parameters of a true sensor.
-#[must_use]
 pub fn parameters(sensor: &TrueSensor) -> Parameters {
     Parameters {
         zero_drift_v: sensor.zero_drift_v,
@@ -28,7 +27,6 @@ pub fn parameters(sensor: &TrueSensor) -> Parameters {
 }
 
 /// The true sensor with these parameters and the paper's drawing.
-#[must_use]
 pub fn sensor(parameters: &Parameters) -> TrueSensor {
     TrueSensor {
         geometry: geometry::Geometry::PAPER,
@@ -43,19 +41,16 @@ pub fn sensor(parameters: &Parameters) -> TrueSensor {
 }
 
 /// The MuJoCo model of the sensor with these parameters and the paper's drawing under gravity in ground axes, m/s^2.
-#[must_use]
 pub fn model(parameters: &Parameters, gravity_ground_m_s2: DVec3) -> SensorModel {
     SensorModel::new(&sensor(parameters), gravity_ground_m_s2)
 }
 
 /// The paper's sensor as designed.
-#[must_use]
 pub fn design_parameters() -> Parameters {
     parameters(&TrueSensor::design())
 }
 
 /// The paper's sensor as identified.
-#[must_use]
 pub fn identified_parameters() -> Parameters {
     parameters(&TrueSensor::identified())
 }
@@ -66,7 +61,6 @@ pub fn random_parameters(rng: &mut Pcg64) -> Parameters {
 }
 
 /// The amplifier ranges, of a tared chain of +-10 V, that fit the limb forces per mass, m/s^2.
-#[must_use]
 pub fn amplifier_ranges(
     limb_force_per_mass_m_s2: &[[f64; LIMBS]],
     parameters: &Parameters,

@@ -19,7 +19,6 @@ const STEPS: usize = 3;
 
 /// Limb forces per mass, m/s^2, at the pose in which each motion of the shell holds the mass. None for a geometry whose limbs do not
 /// hold it.
-#[must_use]
 pub fn compliant_forces_m_s2(
     sensor: &TrueSensor,
     gravity_ground_m_s2: DVec3,
@@ -141,7 +140,6 @@ fn six(force: DVec3, torque: DVec3) -> Vector6<f64> {
 
 /// l_i - L of every limb, m, with the mass displaced by `displacement_m` and turned by the rotation vector `rotation_rad`, shell
 /// axes. Exact for any pose and without loss of digits for a small one.
-#[must_use]
 pub fn elongations_m(
     geometry: &Geometry,
     displacement_m: DVec3,

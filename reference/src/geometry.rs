@@ -40,13 +40,11 @@ impl Geometry {
     };
 
     /// Unit directions e_i of the unloaded limbs, from shell to mass, shell axes.
-    #[must_use]
     pub fn directions_shell() -> [DVec3; LIMBS] {
         columns(&DIRECTIONS)
     }
 
     /// Hinges t_i on the mass, from its centre, mass axes, m.
-    #[must_use]
     pub fn mass_hinges_m(&self) -> [DVec3; LIMBS] {
         columns(&ENDS).map(|end| end * self.half_edge_m)
     }
@@ -55,7 +53,6 @@ impl Geometry {
     ///
     /// The paper does not print b_i. With the other sign the hinges of limbs 1, 5 and 9 would lie inside the mass; with this
     /// one a limb that pushes on the mass along e_i is compressed.
-    #[must_use]
     pub fn shell_hinges_m(&self) -> [DVec3; LIMBS] {
         let directions = Self::directions_shell();
         let ends = self.mass_hinges_m();
@@ -63,7 +60,6 @@ impl Geometry {
     }
 
     /// The unit wrenches of the limbs on the mass at rest: row i is \[e_i, t_i x e_i\], shell axes, 1 and m.
-    #[must_use]
     pub fn limb_wrenches(&self) -> SMatrix<f64, LIMBS, 6> {
         let directions = Self::directions_shell();
         let ends = self.mass_hinges_m();

@@ -79,7 +79,6 @@ pub struct Laboratory {
 
 impl Laboratory {
     /// A laboratory without errors.
-    #[must_use]
     pub const fn noise_free(sensor: TrueSensor) -> Self {
         Self {
             sensor,
@@ -90,7 +89,6 @@ impl Laboratory {
     }
 
     /// A laboratory with the paper's instruments and this project's channels: 60 dB, instruments of the 1 % class, 10 Hz gyroscope.
-    #[must_use]
     pub fn with_errors(sensor: TrueSensor, seed: u64) -> Self {
         let mut rng = Pcg64::new(u128::from(seed), INSTRUMENT_STREAM);
         Self {
@@ -102,7 +100,6 @@ impl Laboratory {
     }
 
     /// The healthy laboratory of a plan: its sensor, measuring chain and instruments.
-    #[must_use]
     pub fn of_plan(plan: &plan::SessionPlan) -> Self {
         Self {
             sensor: plan.true_sensor(),
@@ -113,7 +110,6 @@ impl Laboratory {
     }
 
     /// The paper's ten minutes at rest.
-    #[must_use]
     pub fn record_static(&self) -> SimulatedRecording {
         let mut rng = Pcg64::new(u128::from(self.seed), STATIC_STREAM);
         let drift = self.sensor.zero_drift_v;
@@ -147,7 +143,6 @@ impl Laboratory {
 
     /// Records one simulated run. `index` picks the random stream, so that a run's noise does not depend on which runs were
     /// recorded before it. The recording has no name and is one for validation until its owner says otherwise.
-    #[must_use]
     pub fn record(&self, simulated: &SimulatedRun, index: usize) -> SimulatedRecording {
         let mut rng = Pcg64::new(u128::from(self.seed), FIRST_RUN_STREAM + index as u128);
         let forces = &simulated.limb_force_per_mass_m_s2;

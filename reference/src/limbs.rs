@@ -55,13 +55,11 @@ impl Limbs {
     };
 
     /// Whether the flexures do anything.
-    #[must_use]
     pub fn bend(&self) -> bool {
         self.lateral_stiffness > 0.0 || self.lateral_damping > 0.0
     }
 
     /// The points where limb `limb` resists displacement square to it, from the origin of the mass, m, and the two directions.
-    #[must_use]
     pub fn lateral_points(geometry: &Geometry, limb: usize) -> ([DVec3; 2], [DVec3; 2]) {
         let (u, v) = Geometry::directions_shell()[limb].any_orthonormal_pair();
         let points = [
@@ -72,7 +70,6 @@ impl Limbs {
     }
 
     /// Stiffness over k of the mass's six degrees of freedom in the shell: 1, m and m^2.
-    #[must_use]
     pub fn stiffness(&self, geometry: &Geometry) -> Matrix6<f64> {
         let wrenches = geometry.limb_wrenches();
         let weighted = SMatrix::from_diagonal(&SVector::from(self.stiffness_ratio)) * wrenches;
@@ -100,7 +97,6 @@ impl Limbs {
     }
 
     /// What the limbs add to the mass matrix of the mass about its origin, over the seismic mass: 1, m and m^2.
-    #[must_use]
     pub fn mass_matrix(&self, geometry: &Geometry) -> Matrix6<f64> {
         let mut sum = Matrix6::zeros();
         for end in geometry.mass_hinges_m() {
@@ -118,7 +114,6 @@ impl Limbs {
     /// What reaches the mass of the limbs' inertia by their ends on the shell, over the seismic mass: force, ground axes, m/s^2, and
     /// torque about the mass's origin, mass axes, m^2/s^2. `specific` is the acceleration of a point of the shell, given in shell
     /// axes, less gravity, ground axes.
-    #[must_use]
     pub fn far_load(
         &self,
         geometry: &Geometry,

@@ -10,7 +10,6 @@ use crate::rig::run::{Mode as RigMode, Run};
 use crate::sensor::{InertiaPerMass, TrueSensor};
 
 /// K/m of the mass's six degrees of freedom, shell axes: s^-2, m/s^2 and m^2/s^2. For ideal limbs (k/m) J^T J with J their wrenches.
-#[must_use]
 pub(crate) fn stiffness_per_mass(
     geometry: &Geometry,
     stiffness_per_mass_per_s2: f64,
@@ -29,7 +28,6 @@ pub(crate) struct NaturalMode {
 }
 
 /// The six modes of M x'' + K x = 0 with M = diag(1, I/m) and what the limbs add to it, ascending in frequency.
-#[must_use]
 pub(crate) fn modes(
     geometry: &Geometry,
     inertia_per_mass: &InertiaPerMass,
@@ -62,7 +60,6 @@ pub(crate) fn modes(
 }
 
 /// The six frequencies of [`modes`] alone, ascending, Hz.
-#[must_use]
 pub fn mode_frequencies_hz(sensor: &TrueSensor) -> [f64; 6] {
     let TrueSensor {
         geometry,
@@ -76,7 +73,6 @@ pub fn mode_frequencies_hz(sensor: &TrueSensor) -> [f64; 6] {
 
 /// Amplitude of the mass's acceleration in the shell during a run at full speed, w^2 |K^-1 M a|: m/s^2 or, for pure angular
 /// motion, rad/s^2. NaN for limbs that do not hold the mass.
-#[must_use]
 pub fn relative_acceleration(sensor: &TrueSensor, run: &Run) -> f64 {
     let omega2 = (TAU * run.frequency_hz).powi(2);
     let d = run.direction_ground;

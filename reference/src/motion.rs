@@ -27,7 +27,6 @@ pub struct TrueMotion {
 
 impl TrueMotion {
     /// Held still, turned so.
-    #[must_use]
     pub const fn at_rest(attitude: DQuat) -> Self {
         Self {
             linear_ground_m_s2: DVec3::ZERO,
@@ -38,13 +37,11 @@ impl TrueMotion {
     }
 
     /// Acceleration less gravity, shell axes, m/s^2.
-    #[must_use]
     pub fn specific_force_shell_m_s2(&self, gravity_ground_m_s2: DVec3) -> DVec3 {
         self.attitude.inverse() * (self.linear_ground_m_s2 - gravity_ground_m_s2)
     }
 
     /// What a point of the shell, m from its centre, is accelerated by beside that centre, shell axes, m/s^2.
-    #[must_use]
     pub fn carried_m_s2(&self, point_m: DVec3) -> DVec3 {
         let rate = self.rate_shell_rad_s;
         let angular = self.attitude.inverse() * self.angular_ground_rad_s2;
@@ -72,7 +69,6 @@ pub type SimulatedRun = SimulatedMotion<Run>;
 
 impl<M: Clone> SimulatedMotion<M> {
     /// Every `factor`-th sample.
-    #[must_use]
     pub fn decimated(&self, factor: usize) -> Self {
         let forces = &self.limb_force_per_mass_m_s2;
         Self {

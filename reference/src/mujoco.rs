@@ -15,7 +15,6 @@ use model::SensorModel;
 use simulation::{Simulation, SimulationError, Snapshot};
 
 /// Version of the MuJoCo library in use, as it reports itself.
-#[must_use]
 pub fn version() -> &'static str {
     mujoco_rs::mujoco_version()
 }

@@ -23,7 +23,6 @@ pub struct Load {
 
 impl Load {
     /// As six components, force first.
-    #[must_use]
     pub fn wrench(&self) -> Vector6<f64> {
         let (a, m) = (self.specific_force_m_s2, self.torque_m2_s2);
         Vector6::new(a.x, a.y, a.z, m.x, m.y, m.z)
@@ -34,7 +33,6 @@ impl Load {
 ///
 /// D'Alembert's principle: each element at r needs the force of its acceleration alpha x r + w x (w x r), and the sum of the
 /// torques r x a is tr(S) alpha - S alpha - w x S w with the mass's second moments S, the mean of r r^T.
-#[must_use]
 pub fn torque_per_mass(
     inertia: &InertiaPerMass,
     rate_rad_s: DVec3,
@@ -59,7 +57,6 @@ pub struct RigidSensor {
 
 impl RigidSensor {
     /// A sensor whose limbs' stiffnesses stand in the given ratio. None for limbs that do not hold the mass.
-    #[must_use]
     pub fn new(sensor: &TrueSensor, stiffness_ratio: &[f64; LIMBS]) -> Option<Self> {
         let wrenches = sensor.geometry.limb_wrenches();
         let weighted = SMatrix::from_diagonal(&SVector::from(*stiffness_ratio)) * wrenches;
@@ -71,7 +68,6 @@ impl RigidSensor {
     }
 
     /// Limb forces per mass, m/s^2, under a load.
-    #[must_use]
     pub fn forces_m_s2(&self, load: &Load) -> [f64; LIMBS] {
         // The limbs hold the cube about its centre.
         let about_the_cube = Load {
@@ -82,7 +78,6 @@ impl RigidSensor {
     }
 
     /// A whole run of the rig. A pinion turns about an axis that is the same in shell and ground.
-    #[must_use]
     pub fn simulate(
         &self,
         run: &Run,

@@ -41,7 +41,6 @@ pub struct InertiaPerMass {
 
 impl InertiaPerMass {
     /// From I1 to I6, m^2.
-    #[must_use]
     pub const fn from_paper_order(i: [f64; 6]) -> Self {
         Self {
             xx_m2: i[0],
@@ -54,7 +53,6 @@ impl InertiaPerMass {
     }
 
     /// I1 to I6, m^2.
-    #[must_use]
     pub const fn to_paper_order(&self) -> [f64; 6] {
         [
             self.xx_m2, self.yy_m2, self.zz_m2, self.xy_m2, self.xz_m2, self.yz_m2,
@@ -62,7 +60,6 @@ impl InertiaPerMass {
     }
 
     /// The symmetric tensor, mass axes, m^2.
-    #[must_use]
     pub fn tensor_m2(&self) -> DMat3 {
         DMat3::from_cols(
             DVec3::new(self.xx_m2, self.xy_m2, self.xz_m2),
@@ -97,7 +94,6 @@ fn is_the_cubes(mass_centre_m: &[f64; 3]) -> bool {
 
 impl TrueSensor {
     /// The paper's sensor as designed: the "design" columns of its tables.
-    #[must_use]
     pub fn design() -> Self {
         Self {
             geometry: Geometry::PAPER,
@@ -112,7 +108,6 @@ impl TrueSensor {
     }
 
     /// The paper's sensor as identified: the "identified" columns and k/m of Fig. 10.
-    #[must_use]
     pub fn identified() -> Self {
         Self {
             geometry: Geometry::PAPER,
@@ -127,7 +122,6 @@ impl TrueSensor {
     }
 
     /// Zero drifts, V; scale factors over mass, 1/kg; I1 to I6 over mass, m^2; stiffness over mass, s^-2.
-    #[must_use]
     pub fn to_paper_order(&self) -> [f64; 25] {
         let inertia_m2 = self.inertia_per_mass.to_paper_order();
         core::array::from_fn(|i| match i {
@@ -140,7 +134,6 @@ impl TrueSensor {
 
     /// The nine voltages, V, under limb forces per mass, m/s^2, through amplifiers of the given gains, N/V: equations (10) and
     /// (11) solved for u.
-    #[must_use]
     pub fn voltage_v(
         &self,
         force_per_mass_m_s2: &[f64; LIMBS],

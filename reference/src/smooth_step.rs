@@ -3,7 +3,6 @@
 //! A motion that merely starts as a sine has a jump in some derivative, and every jump rings the sensor's modes.
 
 /// Step from 0 to 1 over x in \[0, 1\], clamped outside: its integral from 0, value, first and second derivative.
-#[must_use]
 pub fn smooth_step(x: f64) -> [f64; 4] {
     if x <= 0.0 {
         return [0.0; 4];

@@ -79,7 +79,6 @@ pub type Row = [f64; LIMBS];
 pub const CHUNK: usize = 1 << 14;
 
 /// Names limb and sample of an error of the mathematics as the recording has them.
-#[must_use]
 pub fn explain(error: &sixaxis_core::Error, place: &str, names: &[String; LIMBS]) -> anyhow::Error {
     use sixaxis_core::Error;
     let name = |channel: usize| {

@@ -106,13 +106,11 @@ pub struct CalibratedSession {
 
 impl CalibratedSession {
     /// What was found of the trial of that file.
-    #[must_use]
     pub fn trial(&self, name: &str) -> Option<&TrialReport> {
         self.trials.iter().find(|trial| trial.name == name)
     }
 
     /// What is known of k/m.
-    #[must_use]
     pub fn stiffness(&self) -> Option<&ParameterReport> {
         stiffness(&self.parameters)
     }

@@ -106,7 +106,6 @@ pub struct CalibratedParameters {
 
 impl CalibratedParameters {
     /// In the paper's order.
-    #[must_use]
     pub fn to_paper_order(&self) -> [f64; PARAMETERS] {
         let mut values = [self.stiffness_per_mass_per_s2; PARAMETERS];
         values[DRIFT].copy_from_slice(&self.zero_drift_v);
@@ -166,7 +165,6 @@ pub struct PropagatedCovariance {
 
 impl PropagatedCovariance {
     /// Both causes together; none for a table that is not 25 by 25.
-    #[must_use]
     pub fn total(&self) -> Option<uncertainty::Covariance> {
         let square = |table: &Vec<Vec<f64>>| {
             table.len() == PARAMETERS && table.iter().all(|row| row.len() == PARAMETERS)
@@ -268,7 +266,6 @@ impl Calibration {
     }
 
     /// The parameters as the mathematics has them.
-    #[must_use]
     pub fn parameters(&self) -> Parameters {
         let p = &self.parameters;
         Parameters {
@@ -280,7 +277,6 @@ impl Calibration {
     }
 
     /// The sensor with the session's default gains.
-    #[must_use]
     pub fn sensor(&self) -> Sensor {
         Sensor {
             geometry: Geometry {
@@ -306,7 +302,6 @@ impl Calibration {
 }
 
 /// The format's JSON schema.
-#[must_use]
 pub fn schema() -> serde_json::Value {
     schemars::schema_for!(Calibration).to_value()
 }

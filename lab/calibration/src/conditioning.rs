@@ -55,7 +55,6 @@ fn mean(series: &[f64]) -> f64 {
 
 impl Conditioning {
     /// What a session asks for.
-    #[must_use]
     pub fn of(session: &Session) -> Self {
         Self {
             stages: session.preprocessing.clone(),
@@ -65,7 +64,6 @@ impl Conditioning {
     }
 
     /// Corner of the low-pass for a trial, Hz.
-    #[must_use]
     pub fn corner_hz(&self, trial: &Trial) -> Option<f64> {
         let low_pass = self.stages.low_pass.settings()?;
         // A recording that is sampled slowly has little to lose up there.
@@ -102,7 +100,6 @@ impl Conditioning {
     }
 
     /// Whether the session has a stage on. Delays are the reader's, who has the channels' names; the derivative is always taken.
-    #[must_use]
     pub fn has(&self, stage: Stage) -> bool {
         match stage {
             Stage::Delays => false,
@@ -232,7 +229,6 @@ pub struct Channels {
 
 impl Channels {
     /// As recorded.
-    #[must_use]
     pub fn of(trial: &Trial) -> Self {
         Self {
             voltage_v: trial.voltage_v.clone(),

@@ -74,7 +74,6 @@ pub struct Diagnosis<'a> {
 
 impl Diagnosis<'_> {
     /// All of them, worst first.
-    #[must_use]
     pub fn all(&self) -> Vec<Finding> {
         let mut all = [&self.findings[..], &self.of_the_table, &self.suspected].concat();
         all.sort_by_key(|finding| finding.cause);
@@ -120,7 +119,6 @@ impl Found {
 }
 
 /// Examines a campaign.
-#[must_use]
 pub fn examine<'a>(
     facts: &Facts<'_>,
     at_rest: Option<&Trial>,

@@ -22,7 +22,6 @@ const SAME: f64 = 0.01;
 const ALIKE: f64 = 1.1;
 
 /// Frequency by a trial's own standards and clock, where one shows three cycles or more; of two, the one nearer to what is stated.
-#[must_use]
 pub fn seen_hz(trial: &Trial) -> Option<f64> {
     let of = |series: &[f64]| frequency(series, trial.sample_rate_hz, trial.frequency_hz);
     let far = |hz: &f64| (hz / trial.frequency_hz).ln().abs();

@@ -92,7 +92,6 @@ impl Estimate {
     }
 
     /// Covariance of the four steps' parameters from noise alone.
-    #[must_use]
     pub fn noise(&self) -> Option<&Covariance> {
         self.propagated.as_ref().map(|(_, found)| &found.noise)
     }

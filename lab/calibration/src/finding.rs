@@ -53,7 +53,6 @@ pub enum Cause {
 
 impl Cause {
     /// Whether it is a channel that shows another share of what is expected than the whole.
-    #[must_use]
     pub(crate) const fn is_a_factor(self) -> bool {
         matches!(
             self,
@@ -62,7 +61,6 @@ impl Cause {
     }
 
     /// The name in headings and messages.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Unreadable => "recording cannot be used",
@@ -140,7 +138,6 @@ impl Finding {
     }
 
     /// The evidence with where it was found.
-    #[must_use]
     pub fn placed(&self) -> String {
         let channels: Vec<String> = self.channels.iter().map(usize::to_string).collect();
         let channels = (!channels.is_empty()).then(|| format!("channel {}", channels.join(", ")));
@@ -153,7 +150,6 @@ impl Finding {
     }
 
     /// Whether it concerns a channel, from 1, of a recording.
-    #[must_use]
     pub fn concerns(&self, recording: &str, channel: usize) -> bool {
         (self.recordings.is_empty() || self.recordings.iter().any(|name| name == recording))
             && (self.channels.is_empty() || self.channels.contains(&channel))

@@ -61,13 +61,11 @@ impl BoundedGain {
     }
 
     /// Its mean.
-    #[must_use]
     pub fn mean(&self) -> f64 {
         self.nodes().iter().map(|(gain, share)| gain * share).sum()
     }
 
     /// Its standard deviation.
-    #[must_use]
     pub fn deviation(&self) -> f64 {
         let mean = self.mean();
         self.nodes()
@@ -87,20 +85,17 @@ impl BoundedGain {
     }
 
     /// Whether the data contradict the certificate.
-    #[must_use]
     pub fn is_beyond_certificate(&self) -> bool {
         self.contradiction() > BEYOND_CERTIFICATE
     }
 
     /// Standard deviations by which the data contradict the certificate; 0 where the one allows what the other says.
-    #[must_use]
     pub fn contradiction(&self) -> f64 {
         (self.seen.abs() - self.limit).max(0.0) * self.information.sqrt()
     }
 
     /// Ends of the 95 % intervals of quantities that take `values` at a gain and have normal errors with the given deviations
     /// beside.
-    #[must_use]
     pub fn intervals_95<const N: usize>(
         &self,
         values: impl Fn(f64) -> [f64; N],

@@ -47,7 +47,6 @@ const WEDGES_WANTED: usize = 4;
 
 impl LeftOut {
     /// Fits steps 2 and 3 without one wedge after the other.
-    #[must_use]
     pub fn fit(campaign: &Campaign, steps: &FourSteps) -> Self {
         let wedges = |role: Role| -> Vec<usize> {
             let directions: Vec<DVec3> = campaign
@@ -137,7 +136,6 @@ fn spread<const N: usize>(fits: &[[f64; N]], entry: usize) -> Option<f64> {
 ///
 /// `noise` is the covariance that noise leaves, propagated through the steps. Without it each fit's own covariance stands for
 /// it, which takes rows of a filtered record for independent and earlier steps for exact.
-#[must_use]
 pub fn report(
     session: &Session,
     steps: &FourSteps,

@@ -81,14 +81,12 @@ pub struct Iteration {
 
 impl Iteration {
     /// k/m, if it stands still, s^-2.
-    #[must_use]
     pub fn stiffness_per_mass_per_s2(&self) -> Option<f64> {
         let last = self.passes.last()?;
         (self.end == End::Converged).then_some(last.found_per_s2)
     }
 
     /// What became of k/m, in one sentence.
-    #[must_use]
     pub fn sentence(&self) -> String {
         let why = match self.end {
             End::Converged => {

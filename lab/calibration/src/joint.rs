@@ -54,7 +54,6 @@ pub enum Loss {
 }
 
 /// What a static record says of the drift.
-#[must_use]
 pub fn at_rest(drift: &ZeroDrift) -> AtRest {
     AtRest {
         drift_v: drift.drift_v,
@@ -66,7 +65,6 @@ pub fn at_rest(drift: &ZeroDrift) -> AtRest {
 }
 
 /// A trial as the joint fit takes it; none for one that it has no use for.
-#[must_use]
 pub fn record(trial: &Trial) -> Option<Record<'_>> {
     let (drive, standard) = match trial.role {
         Role::Linear | Role::HighFrequencyLinear => (Drive::Linear, &trial.accelerometer_m_s2),
@@ -115,7 +113,6 @@ pub fn fit(
 }
 
 /// Where a fit starts: from the four steps' answer, with the design's k/m where theirs is none.
-#[must_use]
 pub fn start(campaign: &Campaign, steps: &FourSteps) -> Parameters {
     let mut start = steps.used();
     if start.validate().is_err() {

@@ -114,7 +114,6 @@ impl PreparedSession {
     }
 
     /// Sorts and conditions recordings that are in memory, as a session says.
-    #[must_use]
     pub fn of(session: &Session, recordings: Vec<Trial>, progress: &dyn Progress) -> Self {
         Self::new(
             Conditioning::of(session),
@@ -126,7 +125,6 @@ impl PreparedSession {
     }
 
     /// The same of a sensor with these lengths and design values.
-    #[must_use]
     pub fn new(
         conditioning: Conditioning,
         geometry: Geometry,

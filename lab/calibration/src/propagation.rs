@@ -88,7 +88,6 @@ impl Sources {
     }
 
     /// Noise of one sample of each channel, V: the median over the trials.
-    #[must_use]
     pub fn typical_noise_v(&self) -> [f64; LIMBS] {
         core::array::from_fn(|limb| {
             let mut noise: Vec<f64> = self.trials.iter().map(|t| t.channels_v[limb]).collect();
@@ -141,14 +140,12 @@ pub struct Propagated {
 
 impl Propagated {
     /// All causes together.
-    #[must_use]
     pub fn total(&self) -> Covariance {
         self.noise + self.standards + self.wedges
     }
 }
 
 /// What the angular trials' word on the gyroscope's gain counted in step 3.
-#[must_use]
 pub fn gyroscope_share(steps: &FourSteps) -> GyroscopeShare {
     match (steps.rate_over_reading, steps.gyroscope_gain_seen) {
         (None, _) => GyroscopeShare::TRUSTED,

@@ -56,7 +56,6 @@ impl RateDifference {
     }
 
     /// That it was taken off, in words.
-    #[must_use]
     pub fn in_words(&self) -> String {
         format!(
             "by {} trials the standards, which have files of their own, are sampled at {:.6} times their stated rate by the clock of the channels ({:+.1} ± {:.1} parts \

@@ -19,7 +19,6 @@ pub enum Grade {
 
 impl Grade {
     /// The word.
-    #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
             Self::Good => "good",
@@ -44,7 +43,6 @@ pub enum Estimator {
 
 impl Estimator {
     /// The name.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::FourSteps => "the four steps",

@@ -97,7 +97,6 @@ pub struct Response {
 
 /// Measures the responses to one trial. `force_n` is what is to be explained: measured forces less what is known of
 /// gravity. None: too short to be fitted, or nothing moves.
-#[must_use]
 pub fn measure(
     trial: &Trial,
     conditioned: &Conditioned,

@@ -48,7 +48,6 @@ pub struct FourSteps {
 
 impl FourSteps {
     /// The 25 parameters as found; k/m is the design's if there was no step 4.
-    #[must_use]
     pub fn found(&self) -> Parameters {
         Parameters {
             zero_drift_v: self.drift.drift_v,
@@ -64,7 +63,6 @@ impl FourSteps {
     }
 
     /// Whether step 4 determines k/m.
-    #[must_use]
     pub fn stiffness_is_determined(&self) -> bool {
         self.stiffness
             .as_ref()
@@ -72,7 +70,6 @@ impl FourSteps {
     }
 
     /// The 25 parameters to decouple with: where step 4 does not determine k/m, the design's.
-    #[must_use]
     pub fn used(&self) -> Parameters {
         let mut used = self.found();
         if !self.stiffness_is_determined() {
@@ -337,7 +334,6 @@ impl Campaign {
 
 /// Standard deviation of an estimate by the jackknife: (n-1)/n times the sum of squares about the mean, rooted. None for fewer
 /// than three fits.
-#[must_use]
 pub fn jackknife(values: &[f64]) -> Option<f64> {
     let n = values.len() as f64;
     if values.len() < 3 {
@@ -356,7 +352,6 @@ fn at(step: &'static str) -> impl Fn(sixaxis_core::Error) -> Error {
 }
 
 /// Every how many samples steps 2 and 3 take a row from a trial.
-#[must_use]
 pub fn stride(trial: &Trial) -> usize {
     (trial.sample_rate_hz / trial.frequency_hz / ROWS_PER_CYCLE).max(1.0) as usize
 }

@@ -73,7 +73,6 @@ pub struct Taps {
 impl Taps {
     /// Evaluates the taps with the parameters in use, of which `known` says how well they are known; k/m is looked for about
     /// the design's.
-    #[must_use]
     pub fn identify(
         trials: &[Trial],
         geometry: Geometry,

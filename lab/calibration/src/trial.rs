@@ -103,7 +103,6 @@ impl Trial {
     }
 
     /// A recording with what its session says of it, wherever its readings came from.
-    #[must_use]
     pub fn of(session: &Session, entry: &Entry, readings: Readings) -> Self {
         let gains = entry.gain_n_per_v.unwrap_or(session.sensor.gain_n_per_v);
         let samples = readings.voltage_v[0].len();
@@ -141,7 +140,6 @@ impl Trial {
     }
 
     /// The sensor as this trial's amplifier ranges make it.
-    #[must_use]
     pub fn sensor(&self, geometry: Geometry) -> Sensor {
         Sensor {
             geometry,
@@ -150,7 +148,6 @@ impl Trial {
     }
 
     /// Decoupler settings that go with this trial: from rest, tared, with its gravity.
-    #[must_use]
     pub fn settings(&self, scheme: Scheme) -> Settings {
         Settings {
             scheme,
@@ -160,7 +157,6 @@ impl Trial {
     }
 
     /// Whether gravity turns in the sensor during rotation about this trial's axis.
-    #[must_use]
     pub fn gravity_turns(&self) -> bool {
         self.gravity_ground_m_s2
             .cross(self.direction_ground)

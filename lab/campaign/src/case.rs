@@ -17,7 +17,6 @@ use crate::prepared::prepare;
 use crate::row::{Group, Row, Scalar, Status, Text, Values};
 
 /// Plays and calibrates the session of a plan with this seed. What fails is a row, too.
-#[must_use]
 pub fn calibrate(plan: &SessionPlan, seed: u64) -> Row {
     let plan = SessionPlan {
         seed,

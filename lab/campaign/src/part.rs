@@ -45,7 +45,6 @@ pub struct Provenance {
 }
 
 /// Name of the part with these seeds; in the order of names parts are in the order of seeds.
-#[must_use]
 pub fn file_name(seeds: &Range<u64>) -> String {
     format!(
         "cases-{:019}-{:019}.parquet",
@@ -55,7 +54,6 @@ pub fn file_name(seeds: &Range<u64>) -> String {
 }
 
 /// Seeds that a part of this name has; none for a file that is none.
-#[must_use]
 pub fn seeds_of(path: &Path) -> Option<Range<u64>> {
     let name = path.file_name()?.to_str()?;
     let (first, last) = name

@@ -57,25 +57,21 @@ impl CampaignPlan {
     }
 
     /// The plan that each seed is put into.
-    #[must_use]
     pub const fn session(&self) -> &SessionPlan {
         &self.session
     }
 
     /// Its text, with comments: the same for the same plan.
-    #[must_use]
     pub fn text(&self) -> String {
         with_comments(&self.session)
     }
 
     /// All seeds.
-    #[must_use]
     pub const fn seeds(&self) -> Range<u64> {
         self.first_seed..self.first_seed + self.count
     }
 
     /// The seeds of one shard: the shards' ranges follow each other without gap and differ in length by one at most.
-    #[must_use]
     pub fn shard(&self, shard: Shard) -> Range<u64> {
         let at = |i: u64| {
             let share = u128::from(self.count) * u128::from(i) / u128::from(shard.of);
@@ -124,7 +120,6 @@ impl fmt::Display for Shard {
 
 /// What two plans' texts differ in, each as `key: theirs there, ours here`. Empty for the same plan. `path` is where theirs is
 /// from, should it be no plan at all.
-#[must_use]
 pub fn differences(path: &Path, theirs: &str, ours: &str) -> Vec<String> {
     if theirs == ours {
         return Vec::new();

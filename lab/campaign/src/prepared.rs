@@ -10,7 +10,6 @@ use sixaxis_reference::laboratory::recording::SimulatedRecording;
 
 /// Sorts and conditions a played session's recordings, all but validation runs: these are held against the standards, never
 /// fitted.
-#[must_use]
 pub fn prepare(session: &Session, recordings: Vec<SimulatedRecording>) -> PreparedSession {
     let trials = recordings
         .into_iter()

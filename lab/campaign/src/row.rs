@@ -18,7 +18,6 @@ macro_rules! named {
             pub const ALL: [Self; [$($text),*].len()] = [$(Self::$variant),*];
 
             /// The name in the file.
-            #[must_use]
             pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $text,)*
@@ -119,7 +118,6 @@ pub struct Row {
 
 impl Row {
     /// A case of which nothing is known but how far it got.
-    #[must_use]
     pub fn new(seed: u64, status: Status) -> Self {
         let mut row = Self::blank(seed);
         row.set_text(Text::Status, status.name());
@@ -137,26 +135,22 @@ impl Row {
     }
 
     /// How far it got; none for a word that no version of this program writes.
-    #[must_use]
     pub fn status(&self) -> Option<Status> {
         let word = self.text(Text::Status)?;
         Status::ALL.into_iter().find(|status| status.name() == word)
     }
 
     /// A text.
-    #[must_use]
     pub fn text(&self, text: Text) -> Option<&str> {
         self.texts[text as usize].as_deref()
     }
 
     /// A number.
-    #[must_use]
     pub const fn scalar(&self, scalar: Scalar) -> Option<f64> {
         self.scalars[scalar as usize]
     }
 
     /// One of each parameter.
-    #[must_use]
     pub const fn group(&self, group: Group) -> &Values {
         &self.groups[group as usize]
     }
@@ -178,7 +172,6 @@ impl Row {
 }
 
 /// Name of the column of one quantity of one parameter, such as `four_steps_s1_per_kg`.
-#[must_use]
 pub fn column(group: Group, parameter: Parameter) -> String {
     let letter = parameter.symbol().to_ascii_lowercase();
     let number = parameter

@@ -114,7 +114,6 @@ pub struct Chain {
 
 impl Chain {
     /// Without stages and decoder.
-    #[must_use]
     pub fn idle() -> Self {
         Self {
             conditioning: None,
@@ -307,7 +306,6 @@ impl Chain {
     }
 
     /// Errors since the run began, in ground axes and in sensor axes; of the last run while the sensor rests.
-    #[must_use]
     pub fn errors(&self) -> Option<[[AxisError; 6]; 2]> {
         match self.departures.each_ref().map(Departures::errors) {
             [Some(ground), Some(sensor)] => Some([ground, sensor]),
@@ -316,25 +314,21 @@ impl Chain {
     }
 
     /// Departures from the reference instruments in this run, along the direction and about it; of the last run while the sensor rests.
-    #[must_use]
     pub fn errors_of_standards(&self) -> Option<[AxisError; 2]> {
         self.from_standards.errors().or(self.last_from_standards)
     }
 
     /// Time by which the stages delay, s: of the low-pass, and of the samples that they hold back.
-    #[must_use]
     pub fn delay_s(&self) -> f64 {
         self.delay_s + self.beside.len() as f64 / self.sample_rate_hz
     }
 
     /// Root mean squares of the parity rows, m/s^2.
-    #[must_use]
     pub fn parity_rms(&self) -> [f64; 3] {
         self.parity_squares.map(f64::sqrt)
     }
 
     /// Excluded and suspected limbs as digits.
-    #[must_use]
     pub fn flags(&self) -> [f64; 2] {
         self.decoder
             .as_ref()
@@ -342,7 +336,6 @@ impl Chain {
     }
 
     /// Whether nothing is decoded before the next start.
-    #[must_use]
     pub fn has_stopped(&self) -> bool {
         self.decoder.as_ref().is_some_and(LiveDecoder::has_stopped)
     }
@@ -353,7 +346,6 @@ impl Chain {
     }
 
     /// The newest pose.
-    #[must_use]
     pub fn live(&self) -> Live {
         let attitude = self.answer.map_or([1.0, 0.0, 0.0, 0.0], |answer| {
             let q = answer.attitude;

@@ -42,7 +42,6 @@ pub struct Column {
 }
 
 /// Names and units of all columns.
-#[must_use]
 pub fn described() -> Vec<Column> {
     let column = |name: String, unit| Column { name, unit };
     let limbs =
@@ -83,7 +82,6 @@ pub struct Batch {
 
 impl Batch {
     /// Number of samples.
-    #[must_use]
     pub fn samples(&self) -> usize {
         self.voltage_v.samples()
     }

@@ -135,7 +135,6 @@ pub enum FileFormat {
 
 impl FileFormat {
     /// Ending of a file's name.
-    #[must_use]
     pub const fn extension(self) -> &'static str {
         match self {
             Self::Tdms => "tdms",
@@ -352,7 +351,6 @@ impl Message {
 }
 
 /// Whether a recording may be called so: one part of a path that hides nowhere and leads nowhere else.
-#[must_use]
 pub fn is_name(name: &str) -> bool {
     (1..=80).contains(&name.len())
         && !name.starts_with('.')

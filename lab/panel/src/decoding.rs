@@ -109,7 +109,6 @@ impl LiveDecoder {
     }
 
     /// Whether it has refused a sample.
-    #[must_use]
     pub const fn has_stopped(&self) -> bool {
         matches!(self.decoder, Decoder::Stopped)
     }
@@ -152,7 +151,6 @@ impl LiveDecoder {
     }
 
     /// The three sums of limb forces per mass, m/s^2.
-    #[must_use]
     pub fn parity_m_s2(&self, row: &[f64; LIMBS]) -> [f64; ROWS] {
         let force = self.chain.force_per_mass_m_s2(&self.undone(row));
         COORDINATION.map(|limbs| limbs.iter().map(|limb| force[*limb]).sum())
@@ -160,7 +158,6 @@ impl LiveDecoder {
 
     /// Where the mass is in its shell: position, m, and rotation vector, rad, shell axes. Zero for forces that no assembled sensor
     /// carries.
-    #[must_use]
     pub fn pose(&self, row: &[f64; LIMBS]) -> Pose {
         let force = self.chain.force_per_mass_m_s2(&self.undone(row));
         let law = LimbLaw::CompressionShortens;
@@ -170,7 +167,6 @@ impl LiveDecoder {
 }
 
 /// A sensor with these gains.
-#[must_use]
 pub fn sensor(geometry: Geometry, gain_n_per_v: [f64; LIMBS]) -> Sensor {
     Sensor {
         geometry,

@@ -43,7 +43,6 @@ impl<const N: usize> Departures<N> {
     }
 
     /// The errors so far; none while nothing has moved.
-    #[must_use]
     pub fn errors(&self) -> Option<[AxisError; N]> {
         let (linear, angular) = self.peaks.split_at(N / 2);
         let peaks = [linear, angular].map(|kind| kind.iter().copied().fold(0.0, f64::max));

@@ -20,7 +20,6 @@ pub struct History {
 
 impl History {
     /// Nothing yet.
-    #[must_use]
     pub fn new(sample_rate_hz: f64) -> Self {
         let samples = |time_s: f64| (time_s * sample_rate_hz) as usize;
         let needed = COLUMNS * bytes(samples(WHOLE_S), samples(KEPT_S));
@@ -34,7 +33,6 @@ impl History {
     }
 
     /// Samples so far.
-    #[must_use]
     pub fn count(&self) -> u64 {
         self.columns.first().map_or(0, Pyramid::count)
     }
@@ -54,7 +52,6 @@ impl History {
     }
 
     /// The last samples of a column.
-    #[must_use]
     pub fn last(&self, column: usize, samples: usize) -> Vec<f64> {
         self.columns
             .get(column)

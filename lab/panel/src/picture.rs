@@ -44,7 +44,6 @@ pub struct Seen {
 
 impl Seen {
     /// Reads a view; the history is locked meanwhile.
-    #[must_use]
     pub fn of(board: &Board, view: &View) -> Self {
         let history = locked(&board.history);
         let (rate, count) = (history.sample_rate_hz, history.count());
@@ -74,7 +73,6 @@ impl Seen {
 }
 
 /// Draws a view. Nothing is locked while it is sent.
-#[must_use]
 pub fn draw(board: &Board, view: &View, pace: &Pace) -> (Vec<u8>, Live) {
     let live = *locked(&board.live);
     let Seen {

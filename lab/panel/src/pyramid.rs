@@ -73,7 +73,6 @@ pub struct Grid {
 impl Grid {
     /// Bins for samples `first..last` on about so many points, on multiples of their own width, so that the edges do not move
     /// while time goes on.
-    #[must_use]
     pub fn covering(first: u64, last: u64, points: usize) -> Self {
         let span = last.saturating_sub(first).max(1);
         let wanted = (span / points.max(1) as u64).max(1);
@@ -105,7 +104,6 @@ fn level_of(samples: u64) -> usize {
 }
 
 /// Memory of a history that keeps so many samples whole and so many as bins, bytes.
-#[must_use]
 pub const fn bytes(samples: usize, binned: usize) -> usize {
     // Each level has a quarter of the bins of the one below: 4/3 in all.
     4 * samples + 8 * binned / BASE as usize * 4 / 3
@@ -113,7 +111,6 @@ pub const fn bytes(samples: usize, binned: usize) -> usize {
 
 impl Pyramid {
     /// Keeps `samples` samples whole and `binned` in bins.
-    #[must_use]
     pub fn new(samples: usize, binned: usize) -> Self {
         let level = |level| Level {
             bins: vec![Extent::NONE; (binned / width(level) as usize).max(1)],
@@ -127,7 +124,6 @@ impl Pyramid {
     }
 
     /// Samples taken so far.
-    #[must_use]
     pub const fn count(&self) -> u64 {
         self.count
     }
@@ -201,7 +197,6 @@ impl Pyramid {
     }
 
     /// The last samples that are kept whole, oldest first, at most so many.
-    #[must_use]
     pub fn last(&self, samples: usize) -> Vec<f64> {
         let kept = self.samples.len().min(samples) as u64;
         (self.count.saturating_sub(kept)..self.count)

@@ -185,7 +185,6 @@ impl Recorder {
     }
 
     /// How far it is.
-    #[must_use]
     pub fn progress(&self) -> Progress {
         locked(&self.progress).clone()
     }
@@ -213,7 +212,6 @@ fn head_bytes(head: &Head) -> Vec<u8> {
 }
 
 /// A head for columns with these names and units.
-#[must_use]
 pub fn head(columns: &[(&str, &str)], sample_rate_hz: f64, format: FileFormat) -> Head {
     let owned = |(name, unit): &(&str, &str)| ((*name).to_owned(), (*unit).to_owned());
     Head {
@@ -316,7 +314,6 @@ fn finish(journal: &Path, finished: &Path) -> Result<(), RecorderError> {
 }
 
 /// Finishes the journals that a crash has left in a folder; says of each what became of it.
-#[must_use]
 pub fn recover(folder: &Path) -> Vec<String> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();

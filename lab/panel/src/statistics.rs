@@ -111,7 +111,6 @@ pub struct Statistics {
 
 impl Statistics {
     /// Nothing seen.
-    #[must_use]
     pub fn new(full_scale_v: f64, sample_rate_hz: f64) -> Self {
         Self {
             full_scale_v,

@@ -9,7 +9,6 @@ pub struct Block {
 
 impl Block {
     /// An empty block for so many channels.
-    #[must_use]
     pub fn new(channels: usize) -> Self {
         Self {
             columns: vec![Vec::new(); channels],
@@ -17,7 +16,6 @@ impl Block {
     }
 
     /// Rows in it.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, Vec::len)
     }

@@ -31,7 +31,6 @@ impl Channel {
     }
 
     /// Seconds per unit of its numbers, should they be time stamps; 1 where it states no unit. None: its unit is not one of time.
-    #[must_use]
     pub fn seconds(&self) -> Option<f64> {
         match self.unit.as_deref().map(named) {
             None => Some(1.0),
@@ -41,7 +40,6 @@ impl Channel {
     }
 
     /// From a heading such as `u1 [mV]`, `u1 (mV)` or `u1`.
-    #[must_use]
     pub fn from_heading(heading: &str) -> Self {
         let heading = heading.trim();
         for (open, close) in [('[', ']'), ('(', ')')] {
@@ -58,7 +56,6 @@ impl Channel {
 
     /// The heading that [`Self::from_heading`] reads. `f (x)` without a unit would be read as `f` in x: empty brackets say that
     /// there is no unit.
-    #[must_use]
     pub fn heading(&self) -> String {
         match &self.unit {
             Some(unit) => format!("{} [{unit}]", self.name),
@@ -80,7 +77,6 @@ pub(crate) const TIME_NAMES: [&str; 7] = [
 ];
 
 /// Index of the channel that holds time stamps, by its name.
-#[must_use]
 pub fn time_channel(channels: &[Channel]) -> Option<usize> {
     let is_called = |c: &Channel, name: &str| {
         let last = c.name.rsplit('/').next().unwrap_or(&c.name);
@@ -95,7 +91,6 @@ pub fn time_channel(channels: &[Channel]) -> Option<usize> {
 }
 
 /// Whether a property of this name is the sample rate of the whole file, Hz.
-#[must_use]
 pub fn is_sample_rate(name: &str) -> bool {
     ["sample_rate_hz", "fs_hz", "fs"]
         .iter()

@@ -115,7 +115,6 @@ impl Envelope {
 
     /// Smallest and largest sample of each bin in the order of their positions; NaN at the start of a bin without a finite
     /// sample, which interrupts the curve.
-    #[must_use]
     pub fn points(&self) -> Vec<Point> {
         let mut points = Vec::with_capacity(2 * self.bins.len() + 2);
         let current = (self.in_current > 0).then_some(self.current);
@@ -134,7 +133,6 @@ impl Envelope {
 
     /// Mean of the last tenth of the bins less mean of the first, and whether it stands out of their scatter, of `noise` and of
     /// the range. None below 200 bins and where a tenth has no finite sample.
-    #[must_use]
     pub fn drift(&self, noise: f64) -> Option<(f64, bool)> {
         let tenth = self.bins.len() / 10;
         if self.bins.len() < FEWEST_BINS {

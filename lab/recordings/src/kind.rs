@@ -56,7 +56,6 @@ impl Kind {
     }
 
     /// The refusal of a file that was to be of this kind and seems to be of another; none if nothing says so.
-    #[must_use]
     pub fn refuses(self, path: &Path) -> Option<Error> {
         let other = Self::of(path).filter(|kind| *kind != self)?;
         Some(Error::OtherKind {

@@ -35,7 +35,6 @@ pub struct Layout {
 
 impl Layout {
     /// Of a sensor's own recording: `u1` to `u9` in V and, with `standards`, both reference instruments after them, all at one rate.
-    #[must_use]
     pub fn of_a_sensor(sample_rate_hz: Option<f64>, standards: bool) -> Self {
         let limbs = (1..=LIMBS).map(|limb| Channel::new(format!("u{limb}"), Some("V")));
         let mut channels: Vec<Channel> = limbs.collect();
@@ -85,7 +84,6 @@ impl Layout {
     }
 
     /// What of the file has the name of time stamps and could not be read, to be said where a clock is missing: ` (time is not read: dates)`.
-    #[must_use]
     pub fn unread_clock(&self) -> String {
         let unread = self.properties.iter().find_map(|(name, value)| {
             let is_clock = TIME_NAMES
@@ -109,7 +107,6 @@ impl Layout {
 
     /// Index of a channel by name: as written; or else regardless of case, without the group of a TDMS name, or without the unit
     /// at its end, if only one fits.
-    #[must_use]
     pub fn position(&self, name: &str) -> Option<usize> {
         self.channels
             .iter()
@@ -129,7 +126,6 @@ impl Layout {
     }
 
     /// The error for a channel of this file that is not there. It names those that are.
-    #[must_use]
     pub fn no_such_channel(&self, path: &Path, name: impl Into<String>) -> Error {
         let mut names: Vec<_> = self.channels.iter().map(|c| c.name.as_str()).collect();
         let more = names.len().saturating_sub(NAMED);
@@ -191,7 +187,6 @@ impl Layout {
     }
 
     /// When the last of some channels begins, s against the file's start.
-    #[must_use]
     pub fn start_s(&self, selected: &[usize]) -> f64 {
         let starts = selected.iter().map(|at| self.channels[*at].start_offset_s);
         starts.reduce(f64::max).unwrap_or(0.0)

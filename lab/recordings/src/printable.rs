@@ -6,20 +6,17 @@ use std::borrow::Cow;
 const LEFT_OUT: char = '\u{fffd}';
 
 /// Whether a terminal prints it where it stands: neither a control character of either set nor a change of the writing's direction.
-#[must_use]
 pub fn is_printable(c: char) -> bool {
     !c.is_control()
         && !matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// A name or a sentence on one line, cut to so many characters.
-#[must_use]
 pub fn line(text: &str, most: usize) -> String {
     cut(text, most, is_printable)
 }
 
 /// Several lines, cut to so many characters in all.
-#[must_use]
 pub fn lines(text: &str, most: usize) -> String {
     cut(text, most, |c| is_printable(c) || matches!(c, '\n' | '\t'))
 }
@@ -30,7 +27,6 @@ const BEFORE_A_FRACTION: usize = 15;
 
 /// The text with numbers of very many digits shortened: 1e308 would be a one and 308 zeros. A name in quotes or in a path, and
 /// digits within a word, stay.
-#[must_use]
 pub fn short_numbers(text: &str) -> Cow<'_, str> {
     let is_number = |c: char| c.is_ascii_digit() || c == '.';
     let of_a_name = |c: char| c.is_alphanumeric() || matches!(c, '_' | '"' | '/');

@@ -36,7 +36,6 @@ pub struct Runs {
 
 impl Runs {
     /// Of a whole channel.
-    #[must_use]
     pub fn of(samples: impl IntoIterator<Item = f64>) -> Self {
         let mut runs = Self::default();
         for x in samples {
@@ -87,7 +86,6 @@ impl Runs {
 }
 
 /// Where one of several channels side by side stands still while more than half of the others, and two at least, move.
-#[must_use]
 pub fn stands_still(all: &[Runs], channel: usize) -> Option<Run> {
     let run = all.get(channel)?.still()?;
     let others = all.iter().enumerate().filter(|(at, _)| *at != channel);

@@ -23,7 +23,6 @@ pub enum Unit {
 
 impl Unit {
     /// What it measures, as a person would name it.
-    #[must_use]
     pub const fn quantity(self) -> &'static str {
         match self {
             Self::Voltage(_) => "voltage",
@@ -34,7 +33,6 @@ impl Unit {
     }
 
     /// Its size in V, m/s^2, rad/s or s.
-    #[must_use]
     pub const fn size_si(self) -> f64 {
         let (Self::Voltage(size) | Self::Acceleration(size) | Self::Rate(size) | Self::Time(size)) =
             self;
@@ -43,7 +41,6 @@ impl Unit {
 }
 
 /// Looks a unit up by the names that recorders use. None: not known.
-#[must_use]
 pub fn named(name: &str) -> Option<Unit> {
     let squeezed: String = name
         .chars()
@@ -97,7 +94,6 @@ const IN_NAMES: [(&str, &str); 13] = [
 ];
 
 /// Parts `ax_m_s2` into `ax` and `m/s^2`. None: no unit stands at its end.
-#[must_use]
 pub fn in_name(column: &str) -> Option<(&str, &'static str)> {
     IN_NAMES.iter().find_map(|(plain, unit)| {
         let name = column.strip_suffix(plain)?.strip_suffix('_')?;

@@ -14,7 +14,6 @@ pub struct Progress {
 
 impl Progress {
     /// Shown on a terminal unless `quiet`.
-    #[must_use]
     pub const fn new(quiet: bool) -> Self {
         Self {
             hidden: quiet,
@@ -23,7 +22,6 @@ impl Progress {
     }
 
     /// Shown on a terminal.
-    #[must_use]
     pub const fn shown() -> Self {
         Self::new(false)
     }

@@ -64,7 +64,6 @@ fn aids(kind: Kind) -> Vec<Aids> {
 }
 
 /// Plays `count` motions of each kind, by the seeds from `first` on, and prints what came out.
-#[must_use]
 pub fn study(length: &Length<'_>, first: u64, count: u64) -> Hours {
     println!("seeds {first} to {}", first + count - 1);
     // All at once: seeds alone would leave cores idle where there are few of them.
@@ -112,7 +111,6 @@ pub fn study(length: &Length<'_>, first: u64, count: u64) -> Hours {
 ///
 /// # Panics
 /// If the step is not stable.
-#[must_use]
 pub fn halved(step_s: f64, seed: u64) -> Vec<Halved> {
     let of = |kind: Kind| {
         let journey = journey(kind, seed);

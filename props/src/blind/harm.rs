@@ -38,7 +38,6 @@ pub struct Harm {
 
 impl Harm {
     /// Of what was judged; none without a calibration.
-    #[must_use]
     pub fn of(judged: &CalibratedSession, played: &SimulatedSession) -> Option<Self> {
         let calibration = judged.calibration.as_ref()?;
         let truth = played.truth.parameters.to_paper_order();
@@ -95,7 +94,6 @@ impl Harm {
     }
 
     /// A parameter beyond twice its interval, or a decoupled run beyond what is stated.
-    #[must_use]
     pub fn breaks_the_promise(&self) -> bool {
         self.breaks_it_at_rest()
             || self.over_interval.is_none_or(|x| x > WIDTHS)
@@ -103,7 +101,6 @@ impl Harm {
     }
 
     /// A zero drift beyond twice its interval. One that is right although its interval is 0 keeps nothing: nobody measured it.
-    #[must_use]
     pub fn breaks_it_at_rest(&self) -> bool {
         self.drift_over_interval.is_none_or(|x| x > WIDTHS)
     }

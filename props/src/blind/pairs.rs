@@ -8,7 +8,6 @@ use super::{Outcome, table};
 use crate::results::{BlindPair, BlindPairs, BlindVerdict};
 
 /// Outcomes of the same seeds in the same order, side by side.
-#[must_use]
 pub fn of(mujoco: Vec<Outcome>, rigid: &[Outcome]) -> BlindPairs {
     let pairs: Vec<BlindPair> = mujoco
         .iter()

@@ -23,7 +23,6 @@ impl Share {
     /// Of counts. Of no cases at all everything is possible.
     ///
     /// The ends are quantiles of beta distributions: TAIL of B(k, n - k + 1) below, 1 - TAIL of B(k + 1, n - k) above.
-    #[must_use]
     pub fn new(count: usize, of: usize) -> Self {
         let (k, n) = (count as f64, of as f64);
         Self {
@@ -48,7 +47,6 @@ impl Share {
     }
 
     /// The share; NaN of nothing.
-    #[must_use]
     pub fn value(&self) -> f64 {
         self.count as f64 / self.of as f64
     }

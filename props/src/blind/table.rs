@@ -13,7 +13,6 @@ use crate::results::{Blind, BlindBin, BlindCell, BlindKind, BlindTally};
 pub const BINS: usize = 7;
 
 /// The published table of outcomes from a first seed on, whatever order they come in.
-#[must_use]
 pub fn of(mut outcomes: Vec<Outcome>, engine: Engine) -> Blind {
     outcomes.sort_by_key(|outcome| outcome.seed);
     let select = |so: &dyn Fn(&Outcome) -> bool| -> Vec<&Outcome> {

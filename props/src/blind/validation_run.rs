@@ -36,7 +36,6 @@ pub struct ValidationRun<'a> {
 
 impl<'a> ValidationRun<'a> {
     /// Of what was judged; none where the run is missing or could not be conditioned.
-    #[must_use]
     pub fn of(
         judged: &CalibratedSession,
         calibration: &'a Calibration,
@@ -70,7 +69,6 @@ impl<'a> ValidationRun<'a> {
     }
 
     /// Corrected from rest to rest: samples with the change of the specific force and the angular acceleration there, in sensor axes.
-    #[must_use]
     pub fn corrected(&self) -> Option<Vec<(usize, [DVec3; 2])>> {
         let (sensor, parameters, settings) = (&self.sensor, &self.parameters, &self.settings);
         let (rows, _) = rest_to_rest::detrend(sensor, parameters, settings, &self.rows).ok()?;
@@ -95,7 +93,6 @@ impl<'a> ValidationRun<'a> {
 
     /// Open loop, in ground axes, of voltages as they were recorded: the error of each acceleration of each sample over the standard
     /// deviation that is stated for it.
-    #[must_use]
     pub fn over_deviation(&self) -> Option<Vec<[f64; 6]>> {
         let propagated = self.calibration.covariance.propagated.as_ref()?;
         let (sensor, parameters, settings) = (&self.sensor, &self.parameters, &self.settings);
@@ -132,7 +129,6 @@ impl<'a> ValidationRun<'a> {
     }
 
     /// Accelerations without what the run's low-pass takes off the voltages.
-    #[must_use]
     pub fn in_band(&self, accelerations: &[[DVec3; 2]]) -> Option<Vec<[DVec3; 2]>> {
         let mut band = accelerations.to_vec();
         for kind in 0..2 {

@@ -118,14 +118,12 @@ impl Played {
     }
 
     /// What the monitor is told.
-    #[must_use]
     pub fn watch(&self) -> Watch {
         Watch::exact(FALSE_ALARMS_PER_HOUR, self.noise_v)
     }
 }
 
 /// Angle of the rotation between two attitudes, rad.
-#[must_use]
 pub fn angle_rad(a: DQuat, b: DQuat) -> f64 {
     let q = a.inverse() * b;
     2.0 * q.xyz().length().atan2(q.w.abs())

@@ -131,7 +131,6 @@ pub struct Recorded {
 }
 
 /// The plan of a seed's laboratory.
-#[must_use]
 pub fn plan(seed: u64, equal_limbs: bool) -> SessionPlan {
     SessionPlan {
         seed,
@@ -172,7 +171,6 @@ pub fn calibrated(plan: &SessionPlan, folder: &Path) -> Result<Calibration, Stri
 }
 
 /// The same calibration with the true parameters and stiffnesses and the chain's own noise, all of them stated as exact.
-#[must_use]
 pub fn exact(calibration: &Calibration, plan: &SessionPlan) -> Calibration {
     let chain = Chain::laboratory();
     let step_v = chain.resolution_bits.map_or(0.0, |bits| {
@@ -242,7 +240,6 @@ pub fn record(plan: &SessionPlan, course: Course, index: usize) -> Result<Record
 
 impl Recorded {
     /// What the command is told of it beside the calibration.
-    #[must_use]
     pub fn overrides(&self) -> Overrides {
         Overrides {
             gain_n_per_v: self.gain_n_per_v.to_vec(),

@@ -30,7 +30,6 @@ pub struct FalseAlarms {
 
 impl FalseAlarms {
     /// Counted over asked for.
-    #[must_use]
     pub fn attained(&self) -> f64 {
         self.alarms as f64 / (self.rate_per_sample * self.samples as f64)
     }
@@ -49,7 +48,6 @@ fn rows(sd: &[f64; LIMBS], rng: &mut Pcg64) -> [f64; ROWS] {
 ///
 /// # Panics
 /// If the detector refuses.
-#[must_use]
 pub fn false_alarms(
     rate_per_sample: f64,
     unequal: f64,
@@ -105,7 +103,6 @@ pub struct Curve {
 ///
 /// # Panics
 /// Never: the noise is sound.
-#[must_use]
 pub fn curve(window: u64, limb: usize, sigmas: f64, draws: u64, seed: u64) -> Curve {
     let false_alarm: Vec<f64> = (0..=20)
         .map(|k| 10.0_f64.powf(-0.25 * f64::from(k)))
@@ -155,7 +152,6 @@ pub fn curve(window: u64, limb: usize, sigmas: f64, draws: u64, seed: u64) -> Cu
 }
 
 /// Probability that a noncentral chi-square variable exceeds `value`: Poisson's mixture of central ones.
-#[must_use]
 pub fn noncentral_survival(value: f64, freedom: usize, noncentrality: f64) -> f64 {
     let half = 0.5 * noncentrality;
     // Ten deviations beyond the mean of the mixture's index.

@@ -57,13 +57,11 @@ impl Counts {
     }
 
     /// All of them.
-    #[must_use]
     pub const fn all(&self) -> usize {
         self.right + self.wrong + self.open
     }
 
     /// Share that is not right.
-    #[must_use]
     pub fn missed(&self) -> f64 {
         1.0 - self.right as f64 / self.all() as f64
     }
@@ -81,7 +79,6 @@ pub struct OfClass {
 }
 
 /// Failures of one kind and size on every limb in turn; the second of a pair takes turns, too.
-#[must_use]
 pub fn play(kind: Name, sigmas: f64, first_seed: u64, each: u64) -> Vec<(Fault, Outcome)> {
     let limbs = LIMBS as u64;
     (0..each * limbs)
@@ -101,7 +98,6 @@ pub fn play(kind: Name, sigmas: f64, first_seed: u64, each: u64) -> Vec<(Fault, 
 }
 
 /// Whether the class, or the pair, was named right; none if nothing was.
-#[must_use]
 pub fn isolated(fault: &Fault, outcome: &Outcome) -> Option<bool> {
     let verdict = outcome.isolated?;
     let expected = match fault.kind {
@@ -116,7 +112,6 @@ pub fn isolated(fault: &Fault, outcome: &Outcome) -> Option<bool> {
 }
 
 /// Whether the last word names the kind; none for what has passed or is unknown.
-#[must_use]
 pub fn named(fault: &Fault, outcome: &Outcome) -> Option<bool> {
     let (verdict, _) = outcome.identified?;
     match verdict.kind {
@@ -126,7 +121,6 @@ pub fn named(fault: &Fault, outcome: &Outcome) -> Option<bool> {
 }
 
 /// Whether the last word names the limb; none for a pair.
-#[must_use]
 pub fn limb_named(fault: &Fault, outcome: &Outcome) -> Option<bool> {
     let (verdict, _) = outcome.identified?;
     if verdict.is_open() || verdict.limbs.is_empty() {
@@ -136,7 +130,6 @@ pub fn limb_named(fault: &Fault, outcome: &Outcome) -> Option<bool> {
 }
 
 /// Counts trials of one kind and size.
-#[must_use]
 pub fn tally(kind: Name, sigmas: Option<f64>, trials: &[(Fault, Outcome)]) -> Tally {
     let mut tally = Tally {
         kind,
@@ -166,7 +159,6 @@ pub fn tally(kind: Name, sigmas: Option<f64>, trials: &[(Fault, Outcome)]) -> Ta
 }
 
 /// Counts trials class by class.
-#[must_use]
 pub fn of_classes(trials: &[(Fault, Outcome)]) -> Vec<OfClass> {
     (0..CLASSES)
         .map(|class| {

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 use super::laboratories::{Course, Recording};
 
 /// The verdict in a message of the monitor without limbs and samples; none of a message that is no verdict.
-#[must_use]
 pub fn verdict(message: &str) -> Option<&str> {
     let (_, said) = message.split_once(": ")?;
     let (said, _) = said.split_once(" since sample ")?;
@@ -49,26 +48,22 @@ pub struct Watched {
 impl Watched {
     /// Hours during which all nine limbs can raise an alarm: while one is excluded or suspected only the relations that are left can, and that is
     /// not counted.
-    #[must_use]
     pub fn alarm_hours(&self) -> f64 {
         self.hours * (1.0 - self.flagged_share)
     }
 
     /// Alarms in an hour of these. What alarms at once and stays flagged has few alarms an hour watched, however bad it is.
-    #[must_use]
     pub fn per_alarm_hour(&self) -> f64 {
         self.alarms as f64 / self.alarm_hours()
     }
 
     /// Ends of the Poisson interval of that; as narrow as [`Self::per_hour_95`].
-    #[must_use]
     pub fn per_alarm_hour_95(&self) -> [f64; 2] {
         self.per_hour_95
             .map(|end| end * self.hours / self.alarm_hours())
     }
 
     /// Counts the recordings of a course, or of all.
-    #[must_use]
     pub fn of(course: Option<Course>, recordings: &[&Recording], sample_rate_hz: f64) -> Self {
         let asked = |r: &&&Recording| course.is_none_or(|course| r.course == course);
         let chosen: Vec<&Recording> = recordings.iter().filter(asked).copied().collect();

@@ -10,7 +10,6 @@ pub struct Scalar(pub [f64; 3]);
 
 impl Scalar {
     /// a cos + b sin.
-    #[must_use]
     pub fn harmonic(a: f64, b: f64, frequency_hz: f64, time_s: f64) -> Self {
         let omega = TAU * frequency_hz;
         let (sin, cos) = (omega * time_s).sin_cos();
@@ -38,7 +37,6 @@ pub struct Vector(pub [DVec3; 3]);
 
 impl Vector {
     /// From three components.
-    #[must_use]
     pub fn from_components(x: Scalar, y: Scalar, z: Scalar) -> Self {
         Self(core::array::from_fn(|i| DVec3::new(x.0[i], y.0[i], z.0[i])))
     }
@@ -56,7 +54,6 @@ pub struct Rotation {
 
 impl Rotation {
     /// About a fixed unit axis.
-    #[must_use]
     pub fn about(axis: DVec3, angle: Scalar) -> Self {
         let cross = cross_matrix(axis);
         let square = cross * cross;
@@ -75,13 +72,11 @@ impl Rotation {
     }
 
     /// R itself.
-    #[must_use]
     pub fn matrix(&self) -> DMat3 {
         DMat3::IDENTITY + self.minus_identity
     }
 
     /// This rotation after another: the matrix product.
-    #[must_use]
     pub fn after(&self, other: &Self) -> Self {
         let (a, b) = (self.matrix(), other.matrix());
         let ([a1, a2], [b1, b2]) = (self.derivatives, other.derivatives);
@@ -92,7 +87,6 @@ impl Rotation {
     }
 
     /// R^T v.
-    #[must_use]
     pub fn back(&self, v: &Vector) -> Vector {
         let [r0, r1, r2] = [self.matrix(), self.derivatives[0], self.derivatives[1]]
             .map(|matrix| matrix.transpose());
@@ -105,7 +99,6 @@ impl Rotation {
     }
 
     /// Angular velocity w with R' = \[w\]x R, and its derivative.
-    #[must_use]
     pub fn rate(&self) -> [DVec3; 2] {
         let back = self.matrix().transpose();
         let [r1, r2] = self.derivatives;
@@ -114,7 +107,6 @@ impl Rotation {
 }
 
 /// \[v\]x.
-#[must_use]
 pub fn cross_matrix(v: DVec3) -> DMat3 {
     DMat3::from_cols(
         DVec3::new(0.0, v.z, -v.y),

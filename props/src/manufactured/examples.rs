@@ -8,7 +8,6 @@ use super::motion::{Harmonic, Manufactured};
 
 /// The paper's identified sensor with limbs a tenth as stiff, moved at 10 and 14 Hz so that the shell turns at up to
 /// 40 rad/s about an axis that turns itself, under gravity.
-#[must_use]
 pub fn turning() -> Manufactured {
     let mut parameters = truth::identified_parameters();
     parameters.stiffness_per_mass_per_s2 = 2e7;
@@ -33,7 +32,6 @@ pub fn turning() -> Manufactured {
 }
 
 /// The same, let in smoothly from rest: multi-step schemes start there without an error of their own.
-#[must_use]
 pub fn turning_from_rest() -> Manufactured {
     Manufactured {
         rise_s: 0.05,

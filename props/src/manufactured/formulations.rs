@@ -46,7 +46,6 @@ pub trait Formulation: Copy {
 }
 
 /// Integrates from rest at attitude 1 with classical Runge-Kutta, `steps` to the sample, and returns `samples` samples.
-#[must_use]
 pub fn solve<F: Formulation>(
     sensor: &Manufactured,
     sample_rate_hz: f64,
@@ -145,7 +144,6 @@ impl Formulation for Shell {
 }
 
 /// The shell's motion by kinematics, from rate, angular acceleration (mass axes) and attitude of the mass.
-#[must_use]
 pub fn shell_from_mass(
     sensor: &Manufactured,
     moment: &Moment,
@@ -171,13 +169,11 @@ pub fn shell_from_mass(
 }
 
 /// Rate of the mass, in its own axes, that belongs to a rate of the shell.
-#[must_use]
 pub fn mass_rate(moment: &Moment, rate_shell: DVec3) -> DVec3 {
     moment.rotation.matrix().transpose() * (rate_shell + moment.rotation.rate()[0])
 }
 
 /// Attitude of the mass in a shell of the given attitude.
-#[must_use]
 pub fn mass_attitude(moment: &Moment, attitude: DQuat) -> DQuat {
     DQuat::from_mat3(&(DMat3::from_quat(attitude) * moment.rotation.matrix())).normalize()
 }

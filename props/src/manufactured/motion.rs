@@ -53,7 +53,6 @@ pub struct Moment {
 
 impl Manufactured {
     /// Highest frequency in the relative motion, Hz.
-    #[must_use]
     pub fn highest_frequency_hz(&self) -> f64 {
         self.harmonics
             .iter()
@@ -62,14 +61,12 @@ impl Manufactured {
     }
 
     /// I/m in mass axes, m^2, written out here so that the core's has something to be held against.
-    #[must_use]
     pub fn inertia_mass_m2(&self) -> DMat3 {
         let [i1, i2, i3, i4, i5, i6] = self.parameters.inertia_per_mass.to_paper_order();
         DMat3::from_cols_array(&[i1, i4, i5, i4, i2, i6, i5, i6, i3])
     }
 
     /// Everything that is known in closed form at one instant.
-    #[must_use]
     pub fn at(&self, time_s: f64) -> Moment {
         let window = self.window(time_s);
         let sum = |get: fn(&Harmonic) -> [DVec3; 2], axis: usize| {
@@ -124,7 +121,6 @@ impl Manufactured {
     }
 
     /// The nine voltages of this sensor at an amplifier setting, V: (10) and (11) solved for u.
-    #[must_use]
     pub fn voltage_v(&self, gain_n_per_v: &[f64; LIMBS], moment: &Moment) -> [f64; LIMBS] {
         let p = &self.parameters;
         core::array::from_fn(|i| {
@@ -136,7 +132,6 @@ impl Manufactured {
 
 impl Moment {
     /// R_r as a rotation vector, rad.
-    #[must_use]
     pub fn rotation_vector_rad(&self) -> DVec3 {
         // The skew part is sin(angle) axis; its arcsine is exact for the small angles of a mass in a shell.
         let m = self.rotation.minus_identity;
@@ -155,7 +150,6 @@ impl Moment {
     }
 
     /// Attitude of the shell that belongs to an attitude of the mass.
-    #[must_use]
     pub fn shell_attitude(&self, mass_attitude: DQuat) -> DMat3 {
         DMat3::from_quat(mass_attitude) * self.rotation.matrix().transpose()
     }

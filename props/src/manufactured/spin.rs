@@ -12,7 +12,6 @@ use super::motion::Manufactured;
 ///
 /// # Panics
 /// If the sensor is no sound one.
-#[must_use]
 pub fn spin(
     sensor: &Manufactured,
     scheme: Scheme,

@@ -37,7 +37,6 @@ pub struct Problem {
 
 impl Problem {
     /// A manufactured motion from its start, with the shell taken to be at rest at first.
-    #[must_use]
     pub fn manufactured(
         motion: &Manufactured,
         gains: Gains,
@@ -66,7 +65,6 @@ impl Problem {
     }
 
     /// A recording read with the given parameters.
-    #[must_use]
     pub fn recorded(
         recording: &SimulatedRecording,
         parameters: &Parameters,
@@ -92,7 +90,6 @@ impl Problem {
     ///
     /// # Panics
     /// If the core refuses the sensor.
-    #[must_use]
     pub fn decoupler(&self) -> Decoupler {
         Decoupler::new(&self.sensor, &self.parameters, &self.settings).expect("a sound sensor")
     }
@@ -101,7 +98,6 @@ impl Problem {
     ///
     /// # Panics
     /// If the core refuses the sensor or a sample.
-    #[must_use]
     pub fn decouple(&self) -> Vec<SixAxis> {
         let mut answers = Vec::with_capacity(self.voltage_v.len());
         self.decoupler()
@@ -112,7 +108,6 @@ impl Problem {
 }
 
 /// Linear, m/s^2, and angular accelerations, rad/s^2.
-#[must_use]
 pub fn accelerations<'a>(samples: impl IntoIterator<Item = &'a SixAxis>) -> Vec<Accelerations> {
     samples.into_iter().map(SixAxis::accelerations).collect()
 }

@@ -43,19 +43,16 @@ pub const DIRECTIONS: [DVec3; 3] = [
 ];
 
 /// True parameters of the sensor in every problem.
-#[must_use]
 pub fn true_parameters() -> Parameters {
     truth::identified_parameters()
 }
 
 /// The run behind Table 6: compound motion at 5 Hz.
-#[must_use]
 pub fn compound_5_hz() -> Run {
     rig::compound_run()
 }
 
 /// MuJoCo's model of the true sensor on the rig of a run.
-#[must_use]
 pub fn model(run: &Run) -> SensorModel {
     let parameters = true_parameters();
     rig::model(&parameters, run.direction_ground, Mounting::AxisVertical)
@@ -74,7 +71,6 @@ impl Recorded {
     ///
     /// # Panics
     /// If MuJoCo refuses the sensor or diverges.
-    #[must_use]
     pub fn play(run: &Run, sample_rate_hz: f64) -> Self {
         Self::play_with_step(run, sample_rate_hz, STEP_S)
     }
@@ -83,7 +79,6 @@ impl Recorded {
     ///
     /// # Panics
     /// If MuJoCo refuses the sensor or diverges.
-    #[must_use]
     pub fn play_with_step(run: &Run, sample_rate_hz: f64, step_s: f64) -> Self {
         let run = simulate_run(
             &model(run),
@@ -99,7 +94,6 @@ impl Recorded {
     ///
     /// # Panics
     /// If MuJoCo refuses the sensor or diverges.
-    #[must_use]
     pub fn tumble() -> Self {
         // Only the standard instruments, which nobody reads here, are aligned with the trial's run.
         let run = compound_5_hz();
@@ -124,13 +118,11 @@ impl Recorded {
     }
 
     /// The sensor with the amplifier range of this recording.
-    #[must_use]
     pub fn sensor(&self) -> Sensor {
         self.recording.sensor()
     }
 
     /// Settings that go with this recording.
-    #[must_use]
     pub fn settings(&self, scheme: Scheme) -> Settings {
         self.recording.settings(scheme)
     }
@@ -139,7 +131,6 @@ impl Recorded {
     ///
     /// # Panics
     /// If the core refuses the problem.
-    #[must_use]
     pub fn decoupler(&self, scheme: Scheme) -> Decoupler {
         Decoupler::new(&self.sensor(), &true_parameters(), &self.settings(scheme))
             .expect("a decoupler of the true sensor")
@@ -149,7 +140,6 @@ impl Recorded {
     ///
     /// # Panics
     /// If the core refuses the problem.
-    #[must_use]
     pub fn paper_decoder(&self, parameters: &Parameters) -> paper::Decoder {
         let settings = self.settings(Scheme::Heun);
         Model::new(&self.sensor(), parameters, &settings)
@@ -161,7 +151,6 @@ impl Recorded {
     ///
     /// # Panics
     /// If the core refuses the problem.
-    #[must_use]
     pub fn paper_rate_norm_sum(&self, parameters: &Parameters) -> (f64, usize) {
         let (mut sum, mut count) = (0.0, 0);
         self.paper_decoder(parameters)
@@ -187,7 +176,6 @@ impl Poses {
     ///
     /// # Panics
     /// If MuJoCo refuses the sensor or diverges.
-    #[must_use]
     pub fn play(run: &Run) -> Self {
         let snapshots = sampled(run, run, run.duration_s());
         Self {
@@ -238,7 +226,6 @@ fn sampled(run: &Run, motion: &impl Motion, duration_s: f64) -> Vec<Snapshot> {
 ///
 /// # Panics
 /// If MuJoCo refuses the sensor.
-#[must_use]
 pub fn simulation(run: &Run) -> Simulation {
     Simulation::new(&model(run), STEP_S).expect("the simulation of a bench's problem")
 }
@@ -248,7 +235,6 @@ pub struct ScaleRows(pub Vec<([f64; LIMBS], DVec3)>);
 
 impl ScaleRows {
     /// From three pure linear runs at [`SLOW_HZ`].
-    #[must_use]
     pub fn play() -> Self {
         let drift = true_parameters().zero_drift_v;
         let rows = DIRECTIONS.into_iter().flat_map(|direction| {
@@ -271,7 +257,6 @@ impl ScaleRows {
     ///
     /// # Panics
     /// If the core refuses the rows.
-    #[must_use]
     pub fn solve(&self) -> ScalePerMass {
         let mut step = ScaleIdentification::default();
         for (force, acceleration) in &self.0 {
@@ -287,7 +272,6 @@ pub struct InertiaRows(pub Vec<([f64; LIMBS], DVec3, DVec3)>);
 impl InertiaRows {
     /// From three pure angular runs at [`SLOW_HZ`]. The rate is the gyroscope's; its derivative is the true one,
     /// because differentiating a reading is not part of the step.
-    #[must_use]
     pub fn play() -> Self {
         let rows = DIRECTIONS.into_iter().flat_map(|direction| {
             let run = Run::new(Mode::Angular, SLOW_HZ, direction);
@@ -310,7 +294,6 @@ impl InertiaRows {
     ///
     /// # Panics
     /// If the core refuses the rows.
-    #[must_use]
     pub fn solve(&self) -> InertiaEstimate {
         let mut step = InertiaIdentification::new(Geometry::PAPER);
         for (force, rate, derivative) in &self.0 {
@@ -321,7 +304,6 @@ impl InertiaRows {
 }
 
 /// A pure linear run at [`FAST_HZ`] for step 4, in which the true rate is zero.
-#[must_use]
 pub fn stiffness_run() -> Recorded {
     let [direction, ..] = DIRECTIONS;
     let run = Run::new(Mode::Linear, FAST_HZ, direction);
@@ -329,7 +311,6 @@ pub fn stiffness_run() -> Recorded {
 }
 
 /// The true parameters with a candidate k/m.
-#[must_use]
 pub fn candidate(stiffness_per_mass_per_s2: f64) -> Parameters {
     Parameters {
         stiffness_per_mass_per_s2,

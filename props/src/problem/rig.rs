@@ -18,20 +18,17 @@ pub const RATE_HZ: f64 = 10_000.0;
 pub const STEPS: usize = 4;
 
 /// The simulated sensor with the paper's drawing, hung as the mounting has it.
-#[must_use]
 pub fn model(parameters: &Parameters, direction: DVec3, mounting: Mounting) -> SensorModel {
     truth::model(parameters, mounting.gravity_ground_m_s2(direction))
 }
 
 /// The fastest run of Tables 4 to 6: compound motion at 5 Hz.
-#[must_use]
 pub fn compound_run() -> Run {
     let [.., fastest] = compound_trials(&RigPlan::one_turn(Mounting::AxisVertical));
     fastest.run
 }
 
 /// Half a turn up and half a turn down at 5 Hz: short, and as violent as the rig gets.
-#[must_use]
 pub fn short_run(mode: Mode, direction: DVec3) -> Run {
     Run {
         rest_s: 0.005,
@@ -56,7 +53,6 @@ pub const DIRECTIONS: [DVec3; 3] = [
 ///
 /// # Panics
 /// If the simulation refuses.
-#[must_use]
 pub fn simulate_trial(
     parameters: &Parameters,
     mode: Mode,
@@ -78,7 +74,6 @@ pub fn simulate_trial(
 ///
 /// # Panics
 /// If the simulation refuses.
-#[must_use]
 pub fn simulate(
     parameters: &Parameters,
     mode: Mode,
@@ -96,7 +91,6 @@ pub fn simulate(
 }
 
 /// Largest error of the accelerations over the peak of the vector: linear and angular.
-#[must_use]
 pub fn errors(samples: &[SixAxis], run: &SimulatedRun) -> [f64; 2] {
     let (mut error, mut peak) = ([0.0; 2], [0.0; 2]);
     for s in samples {

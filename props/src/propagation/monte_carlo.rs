@@ -72,7 +72,6 @@ impl Tally {
     }
 
     /// Draws campaigns from consecutive seeds; without compound runs about as fast again.
-    #[must_use]
     pub fn draw(world: &World, sources: &Sources, first_seed: u64, draws: u64) -> Self {
         let found = calibrate(&world.clean);
         let runs = decoupled(&world.clean, &world.compound);
@@ -107,14 +106,12 @@ impl Tally {
     }
 
     /// Covariance of the 25 that the draws show.
-    #[must_use]
     pub fn covariance(&self) -> Covariance {
         let n = self.draws as f64;
         (self.squares - self.sum * self.sum.transpose() / n) / (n - 1.0)
     }
 
     /// Standard deviations of the accelerations, for each compound run, for each decoupled sample.
-    #[must_use]
     pub fn accelerations(&self) -> Runs {
         let n = self.draws as f64;
         let deviation = |[sum, squares]: [f64; 2]| ((squares - sum * sum / n) / (n - 1.0)).sqrt();
@@ -141,7 +138,6 @@ impl ClosedForm {
     ///
     /// # Panics
     /// If a step refuses.
-    #[must_use]
     pub fn of(world: &World, sources: &Sources, seed: u64) -> Self {
         let (campaign, compound) = world.draw(sources, seed);
         let propagated = of_campaign(&campaign, &world.conditioning, sources);
@@ -182,7 +178,6 @@ impl ClosedForm {
 ///
 /// # Panics
 /// If a step refuses.
-#[must_use]
 pub fn of_campaign(
     campaign: &Campaign,
     conditioning: &Conditioning,
@@ -196,19 +191,16 @@ pub fn of_campaign(
 }
 
 /// Standard deviations of closed form over drawn ones, less one.
-#[must_use]
 pub fn departures(closed: &Covariance, drawn: &Covariance) -> [f64; PARAMETERS] {
     core::array::from_fn(|i| (closed[(i, i)] / drawn[(i, i)]).sqrt() - 1.0)
 }
 
 /// Correlations of a covariance.
-#[must_use]
 pub fn correlations(covariance: &Covariance) -> Covariance {
     SMatrix::from_fn(|i, j| covariance[(i, j)] / (covariance[(i, i)] * covariance[(j, j)]).sqrt())
 }
 
 /// Largest and root mean square departure of one axis over a run, closed form over drawn less one.
-#[must_use]
 pub fn run_departure(closed: &[[f64; AXES]], drawn: &[[f64; AXES]], axis: usize) -> [f64; 2] {
     let (mut largest, mut squares) = (0.0_f64, 0.0);
     for (a, b) in closed.iter().zip(drawn) {

@@ -37,7 +37,6 @@ pub struct Against {
 
 impl Laboratories {
     /// Every way of decoupling, by name.
-    #[must_use]
     pub fn ways(&self) -> [(&'static str, &Against); 6] {
         [
             ("before identification, open loop", &self.design.open_loop),
@@ -50,7 +49,6 @@ impl Laboratories {
     }
 
     /// How one list of errors is distributed over the seeds.
-    #[must_use]
     pub fn quantiles(errors: &[f64]) -> Option<Quantiles> {
         Quantiles::of(errors.iter().copied())
     }

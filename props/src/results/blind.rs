@@ -46,7 +46,6 @@ pub struct Blind {
 
 impl Blind {
     /// As `false_good_that_could_show`, of those that are called good.
-    #[must_use]
     pub fn false_good_of_good_that_could_show(&self) -> Share {
         let hidden = self.kinds.iter().filter(|kind| !could_show(kind.kind));
         let hidden = hidden.flat_map(|kind| &kind.bins);
@@ -125,7 +124,6 @@ pub struct BlindTally {
 
 impl BlindPairs {
     /// Sessions of which the rigid engine's verdict names the same cause first, of all of which MuJoCo's names one.
-    #[must_use]
     pub fn same_cause_of_named(&self) -> Share {
         let named = self.mujoco.wrong_cause_of_named.of;
         let other = self.differing.iter();

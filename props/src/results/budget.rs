@@ -80,7 +80,6 @@ pub struct Ladder<'a> {
 
 impl Budget {
     /// Imperfections that were played alone, in the study's order.
-    #[must_use]
     pub fn ladders(&self) -> Vec<Ladder<'_>> {
         let mut ladders: Vec<Ladder<'_>> = Vec::new();
         for laboratory in &self.laboratories {
@@ -106,7 +105,6 @@ impl Budget {
     }
 
     /// Laboratories without and with several imperfections: draws of the same ones together.
-    #[must_use]
     pub fn combined(&self, several: bool) -> Vec<Vec<&Imperfect>> {
         let wanted = |parts: &[Part]| match several {
             true => parts.len() > 1,
@@ -125,7 +123,6 @@ impl Budget {
 
 /// The median of a number over some laboratories; a refusal counts as an error without bound. None of no laboratories, and where
 /// most refuse.
-#[must_use]
 pub fn median_of(draws: &[&Imperfect], of: impl Fn(&Errors) -> f64) -> Option<f64> {
     let errors = draws.iter().map(|l| l.errors.as_ref());
     let mut values: Vec<f64> = errors.map(|e| e.map_or(f64::INFINITY, &of)).collect();
@@ -135,14 +132,12 @@ pub fn median_of(draws: &[&Imperfect], of: impl Fn(&Errors) -> f64) -> Option<f6
 }
 
 /// What stands beside the paper's figure: identified, open loop, the largest of 18.
-#[must_use]
 pub fn headline(errors: &Errors) -> f64 {
     errors.identified.open_loop.largest
 }
 
 impl Ladder<'_> {
     /// Sizes with the median laboratory's number.
-    #[must_use]
     pub fn points(&self, of: impl Fn(&Errors) -> f64) -> Vec<(f64, f64)> {
         let steps = self.steps.iter();
         steps
@@ -151,7 +146,6 @@ impl Ladder<'_> {
     }
 
     /// The two sizes next to each other between which a number passes [`PRINTED`]; none if none of the ladder does.
-    #[must_use]
     pub fn alone(&self, of: impl Fn(&Errors) -> f64) -> Option<[f64; 2]> {
         crossing(&self.points(of), PRINTED)
     }

@@ -71,7 +71,6 @@ pub struct WatchedCorner {
 
 impl WatchedCorner {
     /// Counts grades by their words.
-    #[must_use]
     pub fn grades(grades: &[Grade]) -> BTreeMap<String, usize> {
         grades.iter().fold(BTreeMap::new(), |mut counts, grade| {
             *counts.entry(grade.word().to_owned()).or_default() += 1;

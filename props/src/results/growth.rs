@@ -34,7 +34,6 @@ pub struct Growth {
 
 impl Growth {
     /// The curve of one kind of work.
-    #[must_use]
     pub fn of(&self, work: Work) -> Option<&GrowthCurve> {
         self.curves.iter().find(|curve| curve.work == work)
     }
@@ -102,7 +101,6 @@ pub struct PowerLaw {
 
 impl PowerLaw {
     /// Time at a size, s.
-    #[must_use]
     pub fn at(&self, size: f64) -> f64 {
         self.factor_s * size.powf(self.exponent)
     }
@@ -110,7 +108,6 @@ impl PowerLaw {
 
 impl GrowthCurve {
     /// The line through processor time over size, least squares of the logarithms; none of fewer than two sizes.
-    #[must_use]
     pub fn power_law(&self) -> Option<PowerLaw> {
         let points = self.points.iter();
         let logs: Vec<(f64, f64)> = points

@@ -32,7 +32,6 @@ pub struct Pooled {
 
 impl Pooled {
     /// Of an estimator by name; `held` says of a case and a parameter whether the interval holds the truth, none where none is stated.
-    #[must_use]
     pub fn of(estimator: &str, rows: &[Row], held: impl Fn(&Row, usize) -> Option<bool>) -> Self {
         let cases: Vec<(u64, u64)> = rows
             .iter()
@@ -63,14 +62,12 @@ impl Pooled {
     }
 
     /// Share of the intervals that hold the truth.
-    #[must_use]
     pub fn share(&self) -> f64 {
         self.inside as f64 / self.intervals as f64
     }
 }
 
 /// Whether a case's interval of the four steps holds the truth.
-#[must_use]
 pub fn four_steps_hold(row: &Row, i: usize) -> Option<bool> {
     let of = |group: Group| row.group(group)[i];
     let error = of(Group::FourSteps)? - of(Group::Truth)?;
@@ -78,7 +75,6 @@ pub fn four_steps_hold(row: &Row, i: usize) -> Option<bool> {
 }
 
 /// Whether a case's interval of the joint fit holds the truth.
-#[must_use]
 pub fn joint_holds(row: &Row, i: usize) -> Option<bool> {
     let of = |group: Group| row.group(group)[i];
     let (low, high) = (of(Group::JointLow)?, of(Group::JointHigh)?);

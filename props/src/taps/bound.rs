@@ -31,7 +31,6 @@ pub struct States {
 
 impl States {
     /// From M x'' + C x' + K x = 0.
-    #[must_use]
     pub fn new(inertia_m2: &[f64; 6], stiffness: f64, damping_ratio: f64, step_s: f64) -> Self {
         let jacobian = Geometry::PAPER.limb_wrenches();
         let damping = 2.0 * damping_ratio * stiffness.sqrt();
@@ -73,7 +72,6 @@ impl States {
     }
 
     /// The state at the beginning of a stretch of forces that fits them best.
-    #[must_use]
     pub fn start(&self, force: &[[f64; LIMBS]]) -> SVector<f64, STATES> {
         let mut basis = DMatrix::zeros(LIMBS * force.len(), STATES);
         let mut output = self.output;
@@ -97,7 +95,6 @@ impl States {
 
 /// Cramér-Rao bound of the standard deviation of ln k/m for the stretch that was fitted, with what is known beforehand: no
 /// unbiased estimate of the same samples is better.
-#[must_use]
 pub fn bound_ln(case: &Case, recorded: &Recorded, fitted: &core::ops::Range<usize>) -> f64 {
     let force = &recorded.force_per_mass_m_s2[fitted.clone()];
     let truth = [

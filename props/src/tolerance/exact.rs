@@ -10,7 +10,6 @@ pub const ROUNDING: Tolerance = derived(1024.0 * f64::EPSILON, "a thousand round
 /// A handful of operations on numbers of one size.
 pub const LAST_DIGITS: Tolerance = derived(8.0 * f64::EPSILON, "eight roundings");
 /// Second harmonic of a crank-slider's place by its series in the crank over the rod, to the seventh power.
-#[must_use]
 pub const fn rod_harmonic(crank_over_rod: f64) -> Tolerance {
     let square = crank_over_rod * crank_over_rod;
     let ninth = square * square * square * square * crank_over_rod;
@@ -20,7 +19,6 @@ pub const fn rod_harmonic(crank_over_rod: f64) -> Tolerance {
     )
 }
 /// A slope by central differences, relative, for a phase step of the crank and a rod of three cranks or more.
-#[must_use]
 pub const fn rod_slope(phase_step_rad: f64) -> Tolerance {
     derived(
         4.0 * phase_step_rad * phase_step_rad,
@@ -58,7 +56,6 @@ pub const EXACT_ROWS: Tolerance = measured(3e-14, 1.1e-15, "over 100 seeds");
 /// The gyroscope's gain from exact rows, and the inertias found with it.
 pub const GAIN: Tolerance = measured(2e-12, 5.7e-14, "over 100 seeds");
 /// Manufactured motion, in units of what the scheme's order and the central differences leave.
-#[must_use]
 pub const fn manufactured(scheme: Scheme) -> Tolerance {
     match scheme {
         Scheme::Euler => measured(4.0, 1.6, ""),
@@ -171,7 +168,6 @@ pub const RATIOS_CLOSED_FORM: Tolerance =
 /// What the parity rows keep of a failure that is taken off the wrong limb of an ambiguous pair, over the failure.
 pub const TWIN_TRACE: Tolerance = measured(1e-4, 3.9e-5, "curvature of strains of 1e-5");
 /// Two harmonics of a simulated lag against the filter's differential equation, over the peak of what it shows.
-#[must_use]
 pub const fn simulated_lag(drive_hz: f64, rate_hz: f64) -> Tolerance {
     let radians = 2.0 * core::f64::consts::PI * drive_hz / rate_hz;
     derived(
@@ -180,7 +176,6 @@ pub const fn simulated_lag(drive_hz: f64, rate_hz: f64) -> Tolerance {
     )
 }
 /// The same of a high-pass, over the signal's peak.
-#[must_use]
 pub const fn simulated_high_pass(corner_hz: f64, drive_hz: f64, rate_hz: f64) -> Tolerance {
     let radians = 2.0 * core::f64::consts::PI * drive_hz / rate_hz;
     derived(
@@ -189,7 +184,6 @@ pub const fn simulated_high_pass(corner_hz: f64, drive_hz: f64, rate_hz: f64) ->
     )
 }
 /// A high-pass undone by the core, over the signal's peak: two harmonics that are taken for straight between samples.
-#[must_use]
 pub const fn undone_high_pass(corner_hz: f64, drive_hz: f64, rate_hz: f64) -> Tolerance {
     let radians = 2.0 * core::f64::consts::PI / rate_hz;
     derived(

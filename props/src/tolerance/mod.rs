@@ -78,7 +78,6 @@ pub struct Tolerance {
 
 impl Tolerance {
     /// Whether an error passes; NaN and negative numbers do not.
-    #[must_use]
     pub fn allows(&self, error: f64) -> bool {
         (0.0..=self.limit).contains(&error)
     }

@@ -114,7 +114,6 @@ pub const SINGLE_PRECISION: Tolerance = measured(3e-4, 7e-5, "");
 pub const SEARCH: Tolerance = measured(1e-9, 8e-11, "");
 /// Forces of limbs that do not give way against MuJoCo's, over the run's largest: in units of the square of the drive over
 /// k/m, the share of the shell's motion by which the mass moves in it.
-#[must_use]
 pub const fn rigid_limbs(frequency_hz: f64, stiffness_per_mass_per_s2: f64) -> Tolerance {
     let rate = core::f64::consts::TAU * frequency_hz;
     let unit = rate * rate / stiffness_per_mass_per_s2;

@@ -44,7 +44,6 @@ impl DecoupledRun {
     }
 
     /// The limits of a scheme of the core on the compound run at 5 Hz and 10 kHz.
-    #[must_use]
     pub const fn compound(scheme: Scheme) -> Self {
         match scheme {
             Scheme::Euler => Self::measured(3.81e-3, 3.28e-3, 1.85e-3, 6.31e-3),
@@ -58,7 +57,6 @@ impl DecoupledRun {
     }
 
     /// The limits of a scheme of the core on the tumble at 10 kHz.
-    #[must_use]
     pub const fn tumble(scheme: Scheme) -> Self {
         match scheme {
             Scheme::Euler => Self::measured(1.75e-3, 1.82e-3, 1.60e-3, 2.66e-3),

@@ -11,7 +11,6 @@ use sixaxis_props::strategy::{any_f64_edge, config};
 
 /// [`config`] that also runs the counter-examples kept for a suite in `proptest-regressions` and adds those it finds: the file
 /// is committed, and without it, or without leave to write, only the memory is lost.
-#[must_use]
 pub fn remembering(cases: u32, suite: &str) -> Config {
     let file = format!(
         "{}/proptest-regressions/{suite}.txt",

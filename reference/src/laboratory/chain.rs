@@ -43,7 +43,6 @@ pub struct Chain {
 
 impl Chain {
     /// Tared and otherwise perfect.
-    #[must_use]
     pub const fn noise_free() -> Self {
         Self {
             coupling: Coupling::Tared,
@@ -54,7 +53,6 @@ impl Chain {
     }
 
     /// Tared, 60 dB, 16 bits over +-10 V.
-    #[must_use]
     pub const fn laboratory() -> Self {
         Self {
             coupling: Coupling::Tared,
@@ -65,7 +63,6 @@ impl Chain {
     }
 
     /// Standard deviation of the noise of one sample, V.
-    #[must_use]
     pub fn noise_v(&self) -> f64 {
         self.signal_to_noise_db.map_or(0.0, |db| {
             self.full_scale_v / core::f64::consts::SQRT_2 / 10.0_f64.powf(db / 20.0)
@@ -73,7 +70,6 @@ impl Chain {
     }
 
     /// The converter by itself, for many voltages.
-    #[must_use]
     pub fn converter(&self) -> Converter {
         Converter {
             noise_v: self.signal_to_noise_db.map(|_| self.noise_v()),
@@ -86,7 +82,6 @@ impl Chain {
 
     /// The amplifier range of each channel, N/V, that fills the converter best: steps of 1, 2 and 5 per decade, as charge
     /// amplifiers have them, chosen from the largest force that a trial run showed.
-    #[must_use]
     pub fn amplifier_ranges(
         &self,
         limb_force_per_mass_m_s2: &[[f64; LIMBS]],
@@ -135,7 +130,6 @@ impl Chain {
 
 impl Coupling {
     /// The forces per mass, m/s^2, whose change reaches the amplifier: whole, or less those of the first sample, at rest.
-    #[must_use]
     fn sensed(self, limb_force_per_mass_m_s2: &[[f64; LIMBS]]) -> Vec<[f64; LIMBS]> {
         let rest = match (self, limb_force_per_mass_m_s2.first()) {
             (Self::Ideal, _) | (_, None) => [0.0; LIMBS],
@@ -170,7 +164,6 @@ pub struct Converter {
 
 impl Converter {
     /// What it makes of one voltage.
-    #[must_use]
     pub fn convert(&self, voltage_v: f64, rng: &mut impl Rng) -> f64 {
         let mut u = voltage_v;
         if let Some(noise_v) = self.noise_v {

@@ -14,7 +14,6 @@ pub struct Channels {
 
 impl Channels {
     /// What they show of limb forces beyond those at rest, with each channel's share of the next one's charge.
-    #[must_use]
     pub(super) fn shown(
         &self,
         force: &[f64; LIMBS],

@@ -26,7 +26,6 @@ pub enum Where {
 
 impl Where {
     /// Whether a recording is concerned; the static one has no trial number.
-    #[must_use]
     pub fn holds(self, trial: Option<usize>) -> bool {
         match (self, trial) {
             (Self::Everywhere, _) => true,
@@ -81,7 +80,6 @@ macro_rules! kinds {
             pub const ALL: &[Self] = &[$(Self::$kind),*];
 
             /// What the table says of it.
-            #[must_use]
             pub const fn facts(self) -> Facts {
                 match self {
                     $(Self::$kind => Facts {
@@ -177,7 +175,6 @@ kinds! {
 
 impl Kind {
     /// The word that plans have for it.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         self.facts().name
     }
@@ -229,7 +226,6 @@ impl Defect {
     }
 
     /// Where it is on a day of so many trials.
-    #[must_use]
     pub fn place(&self, trials: usize) -> Where {
         match self.kind.facts().spread {
             Spread::OneTrial | Spread::OneIdentifying => self.place,

@@ -30,7 +30,6 @@ pub struct Instruments {
 
 impl Instruments {
     /// Instruments without error.
-    #[must_use]
     pub const fn perfect() -> Self {
         Self {
             accelerometer_gain_error: 0.0,

@@ -145,7 +145,6 @@ impl Default for RigPlan {
 
 impl RigPlan {
     /// The rig with a single turn at full speed in each run, as [`crate::rig::run::Run::new`] has it.
-    #[must_use]
     pub fn one_turn(mounting: Mounting) -> Self {
         Self {
             steady_periods: 1.0,
@@ -272,7 +271,6 @@ const INSTRUMENT_STREAM: u128 = 6;
 
 impl SessionPlan {
     /// The defect, drawn if only its kind is given or not even that.
-    #[must_use]
     pub fn true_defect(&self) -> Option<Defect> {
         let stream = |stream| Pcg64::new(u128::from(self.seed), stream);
         let kind = match self.defect {
@@ -292,7 +290,6 @@ impl SessionPlan {
     }
 
     /// The sensor as it truly is.
-    #[must_use]
     pub fn true_sensor(&self) -> TrueSensor {
         let centred = match self.sensor {
             SensorChoice::Paper => TrueSensor::identified(),
@@ -308,7 +305,6 @@ impl SessionPlan {
     }
 
     /// Stiffnesses of the nine limbs over their mean.
-    #[must_use]
     pub fn stiffness_ratio(&self) -> [f64; LIMBS] {
         let mut rng = Pcg64::new(u128::from(self.seed), STIFFNESS_STREAM);
         core::array::from_fn(|_| {
@@ -318,7 +314,6 @@ impl SessionPlan {
     }
 
     /// The limbs beside their mean axial stiffness.
-    #[must_use]
     pub fn true_limbs(&self) -> Limbs {
         let LimbPlan {
             lateral_stiffness,
@@ -334,7 +329,6 @@ impl SessionPlan {
     }
 
     /// The channels without a defect, at an hour from 0, the first trial's, to 1, the last one's and of what follows.
-    #[must_use]
     pub fn true_channels(&self, hour: f64) -> Channels {
         let mut day = Pcg64::new(u128::from(self.seed), ROOM_STREAM);
         let chain = &self.chain;
@@ -348,7 +342,6 @@ impl SessionPlan {
     }
 
     /// The measuring chain.
-    #[must_use]
     pub(super) fn measuring_chain(&self) -> Chain {
         let ChainPlan {
             signal_to_noise_db,
@@ -373,7 +366,6 @@ impl SessionPlan {
     }
 
     /// The reference instruments as they are, drawn from their class with the seed.
-    #[must_use]
     pub(super) fn true_instruments(&self) -> Instruments {
         let InstrumentPlan {
             class_percent,

@@ -150,7 +150,6 @@ signal_to_noise_db
 ";
 
 /// The plan with every key and what it means; [`parse`] makes the same plan of it.
-#[must_use]
 pub fn with_comments(plan: &SessionPlan) -> String {
     // A seed above 2^63 has no form in TOML: it is left out, and has its default.
     let writable = SessionPlan {

@@ -44,7 +44,6 @@ pub(super) fn tidy(value: f64) -> f64 {
 
 impl SimulatedRecording {
     /// A recording of nothing, to be filled in: gains of 1, no samples, no motion.
-    #[must_use]
     pub fn of_nothing(name: &str, role: Role, sample_rate_hz: f64, full_scale_v: f64) -> Self {
         Self {
             name: name.to_owned(),
@@ -64,7 +63,6 @@ impl SimulatedRecording {
     }
 
     /// What the session file says of it, numbers to ten digits. Gravity along the axis is what a session takes for granted.
-    #[must_use]
     pub fn entry(&self) -> Entry {
         let on_the_rig = self.direction_ground != DVec3::ZERO;
         let (gravity, axis) = (self.gravity_ground_m_s2, self.direction_ground);

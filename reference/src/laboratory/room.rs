@@ -22,7 +22,6 @@ impl Room {
     pub const ALL: [Self; 2] = [Self::Gentle, Self::Usual];
 
     /// The plan moved into this room: its rig, measuring chain and instruments, nothing else.
-    #[must_use]
     pub fn holding(self, plan: SessionPlan) -> SessionPlan {
         let gentle = self == Self::Gentle;
         let pick = |a: f64, b: f64| if gentle { a } else { b };

@@ -27,7 +27,6 @@ pub struct PlannedTrial {
 
 impl PlannedTrial {
     /// Gravity in the sensor's axes at rest if the stated direction is the true one, m/s^2.
-    #[must_use]
     pub fn gravity_ground_m_s2(&self) -> DVec3 {
         self.mounting.gravity_ground_m_s2(self.run.direction_ground)
     }
@@ -35,7 +34,6 @@ impl PlannedTrial {
 
 impl RigPlan {
     /// A run of this rig.
-    #[must_use]
     pub fn run(&self, mode: Mode, frequency_hz: f64, direction: DVec3) -> Run {
         Run {
             slider_amplitude_m: self.slider_amplitude_m,
@@ -50,7 +48,6 @@ impl RigPlan {
 }
 
 /// The trials on a rig, so many for each of steps 2 to 4, in the order in which they are numbered.
-#[must_use]
 pub fn trials(rig: &RigPlan, per_step: usize, defect: Option<&Defect>) -> Vec<PlannedTrial> {
     let mut trials = Vec::new();
     for (word, role, mode, (low, high)) in [
@@ -92,13 +89,11 @@ pub fn trials(rig: &RigPlan, per_step: usize, defect: Option<&Defect>) -> Vec<Pl
 }
 
 /// Number of [`trials`].
-#[must_use]
 pub const fn trial_count(per_step: usize) -> usize {
     3 * per_step + paper::COMPOUND_TABLES.len()
 }
 
 /// The three runs of Tables 4 to 6.
-#[must_use]
 pub fn compound_trials(rig: &RigPlan) -> [PlannedTrial; 3] {
     core::array::from_fn(|i| {
         let table = &paper::COMPOUND_TABLES[i];
@@ -113,7 +108,6 @@ pub fn compound_trials(rig: &RigPlan) -> [PlannedTrial; 3] {
 }
 
 /// The sensor of a trial that is another sensor's.
-#[must_use]
 pub(super) fn foreign_sensor(seed: u32) -> TrueSensor {
     TrueSensor::random(&mut Pcg64::new(u128::from(seed), 1))
 }
@@ -128,7 +122,6 @@ fn flat(direction: DVec3, axis: usize, times: f64) -> DVec3 {
 }
 
 /// A direction tilted by an angle towards an azimuth about itself.
-#[must_use]
 pub(super) fn tilted(direction: DVec3, angle_rad: f64, azimuth_rad: f64) -> DVec3 {
     let side = direction.any_orthonormal_vector();
     let towards = DQuat::from_axis_angle(direction, azimuth_rad) * side;

@@ -15,7 +15,6 @@ use crate::geometry::Geometry;
 use crate::paper;
 
 /// The session file of recordings that were made to a plan.
-#[must_use]
 pub fn session(
     plan: &SessionPlan,
     defect: Option<&Defect>,

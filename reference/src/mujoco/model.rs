@@ -50,7 +50,6 @@ pub const DAMPING_RATIO: f64 = 0.02;
 
 impl SensorModel {
     /// A true sensor of ideal limbs with the design's mass and the reference's [`DAMPING_RATIO`] under gravity in ground axes, m/s^2.
-    #[must_use]
     pub fn new(sensor: &TrueSensor, gravity_ground_m_s2: DVec3) -> Self {
         Self {
             geometry: sensor.geometry,
@@ -65,7 +64,6 @@ impl SensorModel {
     }
 
     /// The six modes by linear theory.
-    #[must_use]
     pub(super) fn modes(&self) -> [NaturalMode; 6] {
         let k = self.stiffness_per_mass_per_s2;
         modes(&self.geometry, &self.inertia_per_mass, k, &self.limbs)
@@ -84,13 +82,11 @@ impl SensorModel {
     }
 
     /// Damping of one limb over the mass, c/m, 1/s.
-    #[must_use]
     pub fn damping_per_mass_per_s(&self) -> f64 {
         2.0 * self.damping_ratio * self.stiffness_per_mass_per_s2.sqrt()
     }
 
     /// The model as MJCF. `python -m mujoco.viewer --mjcf=FILE` opens it.
-    #[must_use]
     pub fn to_mjcf(&self, step_s: f64) -> String {
         let mut xml = String::new();
         self.write_mjcf(&mut xml, step_s)

@@ -83,7 +83,6 @@ pub struct Snapshot {
 
 impl Snapshot {
     /// Displacement of the mass in the shell, shell axes, m, and its rotation vector, rad.
-    #[must_use]
     pub fn relative_pose(&self) -> (DVec3, DVec3) {
         let back = self.shell.attitude.inverse();
         let r = back * (self.mass.position_ground_m - self.shell.position_ground_m);
@@ -94,7 +93,6 @@ impl Snapshot {
     }
 
     /// The shell's motion.
-    #[must_use]
     pub fn true_motion(&self) -> TrueMotion {
         let attitude = self.shell.attitude;
         TrueMotion {
@@ -145,7 +143,6 @@ impl Simulation {
     }
 
     /// Simulated time, s.
-    #[must_use]
     pub fn time_s(&self) -> f64 {
         self.time_s
     }

@@ -81,7 +81,6 @@ pub fn measure(model: &SensorModel, run: &Run, step_s: f64) -> Result<SweepPoint
 
 /// The two excitations of Fig. 7: the slider's whole stroke as amplitude along (1,1,2), and the rig's full rotation
 /// about z.
-#[must_use]
 pub fn excitation(mode: Mode, frequency_hz: f64) -> Run {
     let mut run = match mode {
         Mode::Angular => Run::new(mode, frequency_hz, DVec3::Z),
@@ -96,7 +95,6 @@ pub fn excitation(mode: Mode, frequency_hz: f64) -> Run {
 }
 
 /// Frequency at which a sweep crosses `threshold`, by interpolation on log axes. None if it never does.
-#[must_use]
 pub fn crossing_hz(sweep: &[SweepPoint], threshold: f64) -> Option<f64> {
     sweep.windows(2).find_map(|pair| {
         let [a, b] = [pair[0], pair[1]];
@@ -109,7 +107,6 @@ pub fn crossing_hz(sweep: &[SweepPoint], threshold: f64) -> Option<f64> {
 }
 
 /// Least-squares slope of log y over log x: the exponent of a power law.
-#[must_use]
 pub fn log_slope(points: impl IntoIterator<Item = (f64, f64)>) -> f64 {
     let points: Vec<(f64, f64)> = points.into_iter().map(|(x, y)| (x.ln(), y.ln())).collect();
     let n = points.len() as f64;

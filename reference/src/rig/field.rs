@@ -58,7 +58,6 @@ pub struct Field {
 
 impl Field {
     /// A tumble by hand.
-    #[must_use]
     pub fn by_hand(rng: &mut impl Rng, pace: Pace, duration_s: f64, sample_rate_hz: f64) -> Self {
         let mut sine = |(low, high): (f64, f64), over: fn(f64) -> f64| {
             let frequency_hz = rng.random_range(BY_HAND_HZ.0..BY_HAND_HZ.1);
@@ -87,7 +86,6 @@ impl Field {
     }
 
     /// The loads of all samples and the motion behind them.
-    #[must_use]
     pub fn simulate(&self, sensor: &TrueSensor) -> (Vec<Load>, Vec<TrueMotion>) {
         let step_s = 1.0 / self.sample_rate_hz;
         let mut attitude = DQuat::IDENTITY;

@@ -81,7 +81,6 @@ pub struct Journey {
 
 impl Journey {
     /// Drawn.
-    #[must_use]
     pub fn random(kind: Kind, rng: &mut impl Rng) -> Self {
         let mut sines = |(low, high, size): (f64, f64, f64), per_rate: i32| {
             core::array::from_fn(|_| {
@@ -107,7 +106,6 @@ impl Journey {
     }
 
     /// g, ground axes, which are the sensor's at the start, m/s^2.
-    #[must_use]
     pub const fn gravity_ground_m_s2(&self) -> DVec3 {
         self.gravity_ground_m_s2
     }

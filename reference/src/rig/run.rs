@@ -72,7 +72,6 @@ pub struct Run {
 
 impl Run {
     /// A run at the rig's own amplitudes.
-    #[must_use]
     pub fn new(mode: Mode, frequency_hz: f64, direction: DVec3) -> Self {
         Self {
             mode,
@@ -91,7 +90,6 @@ impl Run {
     }
 
     /// Start and end of the whole turns at full speed, s.
-    #[must_use]
     pub fn steady_span_s(&self) -> (f64, f64) {
         let start = self.rest_s + self.ramp_periods / self.frequency_hz;
         (
@@ -101,7 +99,6 @@ impl Run {
     }
 
     /// Length of the whole run, s.
-    #[must_use]
     pub fn duration_s(&self) -> f64 {
         2.0 * self.rest_s + (2.0 * self.ramp_periods + self.steady_periods) / self.frequency_hz
     }
@@ -110,7 +107,6 @@ impl Run {
     ///
     /// With c the crank over the rod, x = sin(phi) + (sqrt(1 - c^2 cos^2 phi) - sqrt(1 - c^2)) / c, which begins at 0, spans a
     /// stroke of 2 whatever the rod, and has a second harmonic of c/4 + c^3/16 + ... of the crank.
-    #[must_use]
     pub fn stroke_share(&self, time_s: f64) -> [f64; 3] {
         let [phase, rate, slope] = self.crank(time_s);
         let (sin, cos) = phase.sin_cos();
@@ -130,7 +126,6 @@ impl Run {
     }
 
     /// Amplitudes that the mode makes use of: travel, m, and rotation, rad.
-    #[must_use]
     pub fn amplitudes(&self) -> (f64, f64) {
         let (travel, rotation) = (self.slider_amplitude_m, self.rotation_amplitude_rad);
         match self.mode {
@@ -197,7 +192,6 @@ pub enum Mounting {
 
 impl Mounting {
     /// g for a wedge with the given direction, m/s^2.
-    #[must_use]
     pub fn gravity_ground_m_s2(self, direction: DVec3) -> DVec3 {
         let direction = direction.normalize();
         let down = match self {

@@ -51,13 +51,11 @@ pub struct Tumble {
 
 impl Tumble {
     /// Rate of the shell, shell axes, rad/s.
-    #[must_use]
     pub fn rate_shell_at_rad_s(&self, time_s: f64) -> DVec3 {
         smooth_step(time_s / self.rise_s)[1] * sum(&self.rate_shell_rad_s, time_s)[0]
     }
 
     /// Highest frequency in it, Hz.
-    #[must_use]
     pub fn highest_frequency_hz(&self) -> f64 {
         self.position_ground_m
             .iter()

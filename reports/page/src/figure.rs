@@ -8,7 +8,6 @@ use serde::Serialize;
 pub const NEUTRAL: usize = 6;
 
 /// Points from two columns of the same length.
-#[must_use]
 pub fn paired(x: &[f64], y: &[f64]) -> Vec<(f64, f64)> {
     x.iter().copied().zip(y.iter().copied()).collect()
 }
@@ -97,7 +96,6 @@ pub enum Kind {
 
 impl Kind {
     /// Whether its samples are marked one by one.
-    #[must_use]
     pub fn has_markers(self) -> bool {
         matches!(self, Self::Points | Self::LinePoints)
     }

@@ -257,7 +257,6 @@ impl Default for Pen {
 
 impl Pen {
     /// The content of the SVG element.
-    #[must_use]
     pub fn into_svg(self) -> String {
         self.svg.take()
     }

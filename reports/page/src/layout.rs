@@ -123,7 +123,6 @@ pub struct Layout<'a> {
 
 impl<'a> Layout<'a> {
     /// Places a figure on a sheet.
-    #[must_use]
     pub fn of(figure: &'a Figure, size: Size) -> Self {
         let mut parts = vec![(&figure.y, &figure.series[..], &figure.marks[..])];
         let below = figure.below.as_ref();
@@ -238,7 +237,6 @@ impl<'a> Layout<'a> {
     }
 
     /// Height of the sheet, lower panel included.
-    #[must_use]
     pub fn height(&self) -> f64 {
         let lowest = self.fields.last().map_or(0.0, |field| field.frame.bottom);
         lowest + BELOW * self.size.font
@@ -285,7 +283,6 @@ impl<'a> Layout<'a> {
     }
 
     /// How many rows the labels above the frame take.
-    #[must_use]
     pub fn rows_above(&self) -> usize {
         self.above
             .iter()
@@ -295,7 +292,6 @@ impl<'a> Layout<'a> {
     }
 
     /// Where a value of a field stands on the sheet; `None` if it stands nowhere.
-    #[must_use]
     pub fn place(&self, field: &Field<'_>, (x, y): (f64, f64)) -> Option<Point> {
         let f = field.frame;
         let (x, y) = (self.x_span.place(x)?, field.span.place(y)?);
@@ -303,7 +299,6 @@ impl<'a> Layout<'a> {
     }
 
     /// Where the samples of a series stand.
-    #[must_use]
     pub fn placed(&self, field: &Field<'_>, series: &Series) -> Vec<Option<Point>> {
         series
             .points
@@ -313,7 +308,6 @@ impl<'a> Layout<'a> {
     }
 
     /// Whether not a single sample has a place.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.fields.iter().all(|field| {
             field

@@ -38,7 +38,6 @@ pub struct Piece {
 }
 
 /// Splits a text at its marks.
-#[must_use]
 pub fn pieces(text: &str) -> Vec<Piece> {
     let mut out: Vec<Piece> = Vec::new();
     let (mut bold, mut math, mut code, mut level) = (false, false, false, Level::Base);
@@ -116,7 +115,6 @@ pub fn pieces(text: &str) -> Vec<Piece> {
 }
 
 /// As HTML.
-#[must_use]
 pub fn html(text: &str) -> String {
     pieces(text)
         .iter()
@@ -139,7 +137,6 @@ pub fn html(text: &str) -> String {
 }
 
 /// As the inside of an SVG text element.
-#[must_use]
 pub fn svg(text: &str) -> String {
     let mut out = String::new();
     // Shifts accumulate along a text; the next piece on the line takes the last one back.
@@ -178,7 +175,6 @@ pub fn svg(text: &str) -> String {
 }
 
 /// As plain characters, for tooltips and screen readers.
-#[must_use]
 pub fn plain(text: &str) -> String {
     pieces(text)
         .iter()
@@ -191,7 +187,6 @@ pub fn plain(text: &str) -> String {
 }
 
 /// A careful estimate of a text's width in units of its font size, on the wide side.
-#[must_use]
 pub fn width(text: &str) -> f64 {
     pieces(text)
         .iter()
@@ -207,7 +202,6 @@ pub fn width(text: &str) -> f64 {
 }
 
 /// Escapes what has a meaning in HTML and XML.
-#[must_use]
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

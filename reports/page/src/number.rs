@@ -15,7 +15,6 @@ pub const GROUP: char = '\u{202f}';
 /// `digits` significant digits: plain between 10⁻³ and 10⁶, scientific outside.
 ///
 /// `significant(0.0123456, 3)` is `0.0123`, `significant(-98735.8, 3)` is `−98 700`.
-#[must_use]
 pub fn significant(value: f64, digits: usize) -> String {
     let Some((_, exponent)) = parts(value, digits) else {
         return special(value);
@@ -28,7 +27,6 @@ pub fn significant(value: f64, digits: usize) -> String {
 }
 
 /// `digits` significant digits and a power of ten: `1.23×10⁻⁴`. The power is left out if it is 10⁰.
-#[must_use]
 pub fn scientific(value: f64, digits: usize) -> String {
     let Some((_, exponent)) = parts(value, digits) else {
         return special(value);
@@ -44,7 +42,6 @@ pub fn scientific(value: f64, digits: usize) -> String {
 }
 
 /// A fixed number of decimals: `fixed(-12.345, 1)` is `−12.3`.
-#[must_use]
 pub fn fixed(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return special(value);
@@ -53,27 +50,23 @@ pub fn fixed(value: f64, decimals: usize) -> String {
 }
 
 /// A share of one as percent with `digits` significant digits: `0.07479` is `7.48 %`.
-#[must_use]
 pub fn percent(share: f64, digits: usize) -> String {
     suffixed(significant(share * 1e2, digits), "%")
 }
 
 /// A share of one as parts per million with `digits` significant digits.
-#[must_use]
 pub fn ppm(share: f64, digits: usize) -> String {
     suffixed(significant(share * 1e6, digits), "ppm")
 }
 
 /// Significant digits at which a value prints differently from the limit that it is held to, at least `least`: a limit of 5 % is not
 /// missed by "5.0 %".
-#[must_use]
 pub fn digits_apart(value: f64, limit: f64, least: usize) -> usize {
     let print = |x: f64, digits: usize| format!("{x:.*e}", digits.max(1) - 1);
     apart(least, |digits| print(value, digits) != print(limit, digits))
 }
 
 /// The same for a fixed number of decimals.
-#[must_use]
 pub fn decimals_apart(value: f64, limit: f64, least: usize) -> usize {
     apart(least, |decimals| {
         format!("{value:.decimals$}") != format!("{limit:.decimals$}")
@@ -91,7 +84,6 @@ fn apart(least: usize, differ: impl Fn(usize) -> bool) -> usize {
 
 /// With a unit and the SI prefix that leaves one to three digits before the point:
 /// `si(2.0e4, 3, "Hz")` is `20.0 kHz`. For units that take prefixes only.
-#[must_use]
 pub fn si(value: f64, digits: usize, unit: &str) -> String {
     const PREFIX: [&str; 9] = ["p", "n", "µ", "m", "", "k", "M", "G", "T"];
     let Some((_, exponent)) = parts(value, digits) else {
@@ -108,19 +100,16 @@ pub fn si(value: f64, digits: usize, unit: &str) -> String {
 }
 
 /// A whole number with its digits grouped: `12 345`.
-#[must_use]
 pub fn count(value: impl ToString) -> String {
     dress(&value.to_string())
 }
 
 /// A number and its unit with a no-break space between: the unit may be empty.
-#[must_use]
 pub fn with_unit(value: f64, digits: usize, unit: &str) -> String {
     suffixed(significant(value, digits), unit)
 }
 
 /// An exponent as raised figures: `superscript(-12)` is `⁻¹²`.
-#[must_use]
 pub fn superscript(exponent: i32) -> String {
     let digits = exponent.to_string();
     digits.chars().map(|c| relevel(c, Level::Sup)).collect()

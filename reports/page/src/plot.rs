@@ -16,7 +16,6 @@ use super::scale::Span;
 use super::trace::{self, Point};
 
 /// Draws a figure at a given size.
-#[must_use]
 pub fn to_svg(figure: &Figure, size: Size) -> String {
     let layout = Layout::of(figure, size);
     let height = layout.height();
@@ -39,7 +38,6 @@ pub fn to_svg(figure: &Figure, size: Size) -> String {
 }
 
 /// A legend's sample of a series: 14 page units high, 14 or 30 wide.
-#[must_use]
 pub fn legend(series: &Series) -> String {
     let (width, height) = match series.kind {
         Kind::Points => (14.0, 14.0),

@@ -46,7 +46,6 @@ fn attribute(name: &str, value: &Value) -> String {
 
 /// The abscissa: left and right end of the frame, the values there, the power of ten that its label states, and how
 /// many drawing units a stroke may pass its samples by.
-#[must_use]
 pub fn of_abscissa(layout: &Layout<'_>) -> String {
     let frame = layout.fields[0].frame;
     let (left, right) = (frame.left, frame.right);
@@ -57,7 +56,6 @@ pub fn of_abscissa(layout: &Layout<'_>) -> String {
 }
 
 /// An ordinate: lower and upper end of the frame, the values there, and its names, if it has names.
-#[must_use]
 pub fn of_ordinate(field: &Field<'_>) -> String {
     let (bottom, top) = (field.frame.bottom, field.frame.top);
     let mut y = axis(field.y, &field.span, (bottom, top));
@@ -69,7 +67,6 @@ pub fn of_ordinate(field: &Field<'_>) -> String {
 }
 
 /// A series: what its values are called, and its colour.
-#[must_use]
 pub fn of_series(figure: &Figure, field: &Field<'_>, series: &Series) -> String {
     let name = escape(&plain(&name(figure, field, series)));
     format!(
@@ -98,7 +95,6 @@ fn name(figure: &Figure, field: &Field<'_>, series: &Series) -> String {
 }
 
 /// Where a vertical guide stands.
-#[must_use]
 pub fn of_guide(above: &Above<'_>) -> String {
     format!(" data-at=\"{:.0}\"", above.x * FINE)
 }

@@ -34,7 +34,6 @@ pub struct Ticks {
 impl Span {
     /// Ends from the axis' fixed range, or else from the values with `margin` (a share of the
     /// whole) left free on both sides.
-    #[must_use]
     pub fn fit(axis: &Axis, values: impl IntoIterator<Item = f64>, margin: f64) -> Self {
         let scale = axis.scale;
         let usable = |v: f64| forward(scale, v).is_finite();
@@ -77,7 +76,6 @@ impl Span {
     }
 
     /// The axis of `count` names: 0 near its far end, so that on an ordinate the first stands at the top.
-    #[must_use]
     pub fn of_names(count: usize) -> Self {
         Self {
             scale: Scale::Linear,
@@ -87,7 +85,6 @@ impl Span {
     }
 
     /// One tick for each name.
-    #[must_use]
     pub fn named(&self, names: &[String]) -> Ticks {
         let ticks = names
             .iter()
@@ -98,7 +95,6 @@ impl Span {
     }
 
     /// Position of a value on the axis, beyond 0 and 1 if it lies outside; `None` if it has none.
-    #[must_use]
     pub fn place(&self, value: f64) -> Option<f64> {
         let inner = |v| match self.scale {
             Scale::Linear => v,
@@ -110,7 +106,6 @@ impl Span {
     }
 
     /// First and last value.
-    #[must_use]
     pub fn ends(&self) -> (f64, f64) {
         (self.from, self.to)
     }
@@ -225,7 +220,6 @@ impl Span {
 
 impl Ticks {
     /// How many ticks carry a label.
-    #[must_use]
     pub fn labelled(&self) -> usize {
         self.ticks.iter().filter(|t| t.label.is_some()).count()
     }

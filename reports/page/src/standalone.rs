@@ -14,7 +14,6 @@ const LETTER: f64 = 0.56;
 const MARGIN: f64 = 12.0;
 
 /// The figure with title and legend as one SVG document.
-#[must_use]
 pub fn standalone(figure: &Figure) -> String {
     let width = Size::STANDARD.width;
     let mut head = String::new();

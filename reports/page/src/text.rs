@@ -35,7 +35,6 @@ pub struct Text {
 
 impl Text {
     /// The text as its file has it.
-    #[must_use]
     pub fn new(source: &'static str) -> Self {
         Self {
             source,

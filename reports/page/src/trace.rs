@@ -30,19 +30,16 @@ const HAIR: f64 = 1e-6;
 
 impl Frame {
     /// Where a share of the width stands, counted from the left.
-    #[must_use]
     pub fn across(&self, share: f64) -> f64 {
         self.left + share * (self.right - self.left)
     }
 
     /// Where a share of the height stands, counted from below.
-    #[must_use]
     pub fn up(&self, share: f64) -> f64 {
         self.bottom - share * (self.bottom - self.top)
     }
 
     /// Whether a point lies inside or on the edge (with a hair's tolerance).
-    #[must_use]
     pub fn holds(&self, (x, y): Point) -> bool {
         x >= self.left - HAIR
             && x <= self.right + HAIR
@@ -51,7 +48,6 @@ impl Frame {
     }
 
     /// The part of a segment inside the frame (Liang and Barsky); one along an edge is inside.
-    #[must_use]
     pub fn clip(&self, a: Point, b: Point) -> Option<(Point, Point)> {
         let (dx, dy) = (b.0 - a.0, b.1 - a.1);
         let (mut enter, mut leave) = (0.0f64, 1.0f64);
@@ -80,7 +76,6 @@ impl Frame {
 
 /// Strokes for a series of placed samples; `None` marks a sample that has no place. A sample alone
 /// between two gaps becomes a stroke without length, which round caps show as a dot.
-#[must_use]
 pub fn strokes(placed: &[Option<Point>], frame: &Frame) -> Vec<Vec<Point>> {
     placed
         .split(Option::is_none)
@@ -93,7 +88,6 @@ pub fn strokes(placed: &[Option<Point>], frame: &Frame) -> Vec<Vec<Point>> {
 }
 
 /// Samples for markers: inside the frame, and no two nearer than half a pixel.
-#[must_use]
 pub fn markers(placed: &[Option<Point>], frame: &Frame) -> Vec<Point> {
     let mut seen = std::collections::HashSet::new();
     placed
@@ -138,7 +132,6 @@ fn thin(run: &[Point]) -> Vec<Point> {
 
 /// Outlines of areas whose placed samples go along the lower edge and back along the upper one; `None` parts them. What lies above or
 /// below the frame ends at its edge; what lies beside it is left out.
-#[must_use]
 pub fn bands(placed: &[Option<Point>], frame: &Frame) -> Vec<Vec<Point>> {
     let beside = |x: f64| x < frame.left - HAIR || x > frame.right + HAIR;
     let mut areas = Vec::new();

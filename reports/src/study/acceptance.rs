@@ -21,7 +21,6 @@ const ABOVE_ORDER: f64 = 1.25;
 const STEPS: f64 = 1e-5;
 
 /// Judges a study.
-#[must_use]
 pub fn judge(r: &Results) -> Vec<AcceptanceLimit> {
     let mut limits = Vec::new();
     let mut judged = |kind, name: &str, value: f64, limit: f64, unit: &str, note: &str| {

@@ -90,7 +90,6 @@ pub struct Thresholds {
 }
 
 /// All of it.
-#[must_use]
 pub fn study() -> Arithmetic {
     let before_without_drift = COMPOUND_TABLES.map(before_without_drift);
     let [x, y, z] = DVec3::AXES;

@@ -199,14 +199,12 @@ fn list() -> Vec<Vec<(&'static Imperfection, f64)>> {
 }
 
 /// Number of laboratories in the study.
-#[must_use]
 pub fn laboratories() -> u64 {
     list().len() as u64
 }
 
 /// Plays `count` of the study's laboratories, the one of `first_seed` first, and says of each what came of it. Seeds that are none of
 /// the study's are left out.
-#[must_use]
 pub fn study(first_seed: u64, count: u64, say: &dyn Fn(&Imperfect)) -> Budget {
     let list = list();
     let played = (first_seed..first_seed + count).filter_map(|seed| {

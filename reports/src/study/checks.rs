@@ -70,7 +70,6 @@ pub fn reference(plan: &Plan, simulations: &Simulations) -> Result<ReferenceChec
 }
 
 /// Fig. 7.
-#[must_use]
 pub fn sweeps(simulations: &Simulations) -> Vec<Sweep> {
     sweep_kinds()
         .into_iter()

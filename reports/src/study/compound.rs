@@ -134,7 +134,6 @@ pub fn ways(
 }
 
 /// With the true parameters by every scheme: what is left is the scheme's own.
-#[must_use]
 pub fn ways_of_schemes(truth: &Parameters) -> Vec<Way> {
     SCHEMES
         .map(|scheme| Way {

@@ -25,13 +25,11 @@ fn split(linear: impl Iterator<Item = (DVec3, DVec3)>) -> SixSeries {
 }
 
 /// The true six accelerations of samples 1 to n - 2, which are those that the decoupler yields.
-#[must_use]
 pub fn truth(run: &SimulatedRun) -> SixSeries {
     truth_of(&run.truth)
 }
 
 /// The same of a recording's true motion.
-#[must_use]
 pub fn truth_of(motion: &[TrueMotion]) -> SixSeries {
     let decoupled = motion.iter().skip(1).take(motion.len().saturating_sub(2));
     split(decoupled.map(|t| (t.linear_ground_m_s2, t.angular_ground_rad_s2)))
@@ -70,7 +68,6 @@ pub fn decouple(
 }
 
 /// The six series of a decoupled record.
-#[must_use]
 pub fn six_series(samples: &[SixAxis]) -> SixSeries {
     split(
         samples
@@ -80,19 +77,16 @@ pub fn six_series(samples: &[SixAxis]) -> SixSeries {
 }
 
 /// The first less the second, sample by sample.
-#[must_use]
 pub fn difference(a: &SixSeries, b: &SixSeries) -> SixSeries {
     core::array::from_fn(|i| a[i].iter().zip(&b[i]).map(|(x, y)| x - y).collect())
 }
 
 /// Largest magnitude of each series.
-#[must_use]
 pub fn peaks(series: &SixSeries) -> [f64; 6] {
     core::array::from_fn(|i| series[i].iter().fold(0.0, |a: f64, b| a.max(b.abs())))
 }
 
 /// Largest difference of two sets of series over the peaks of the second.
-#[must_use]
 pub fn largest_error(ours: &SixSeries, standard: &SixSeries) -> [f64; 6] {
     let peak = peaks(standard);
     core::array::from_fn(|i| {

@@ -24,13 +24,11 @@ pub struct Plan {
 
 impl Plan {
     /// Trials per identification step: the paper's ten.
-    #[must_use]
     pub fn trials_per_step(&self) -> usize {
         if self.quick { 3 } else { 10 }
     }
 
     /// Frequencies of the threshold sweeps, Hz.
-    #[must_use]
     pub fn sweep_frequencies_hz(&self) -> Vec<f64> {
         if self.quick {
             vec![1.9, 2.7, 4.0]
@@ -42,13 +40,11 @@ impl Plan {
     }
 
     /// Sample rates of the order study as divisors of [`COMPOUND_RATE_HZ`]: 250 Hz to 20 kHz.
-    #[must_use]
     pub fn order_divisors(&self) -> Vec<usize> {
         vec![80, 50, 40, 20, 10, 5, 4, 2, 1]
     }
 
     /// Steps per sample of the campaign; quick takes the coarser ones that otherwise serve as the check.
-    #[must_use]
     pub fn campaign_steps(&self) -> usize {
         if self.quick {
             CAMPAIGN_STEPS / 2
@@ -59,31 +55,26 @@ impl Plan {
 
     /// Every how many samples of the 4 to 5 Hz runs the curves of Fig. 10 are computed from: 2 kHz, quick 1 kHz, is ample,
     /// and the minimum stays on the same grid point as at 10 kHz.
-    #[must_use]
     pub fn search_stride(&self) -> usize {
         if self.quick { 10 } else { 5 }
     }
 
     /// Sizes of error a decade in the study of what step 4 tolerates.
-    #[must_use]
     pub fn tolerance_sizes_per_decade(&self) -> i32 {
         if self.quick { 1 } else { 4 }
     }
 
     /// Random draws at each size; odd, so that the median is one of them.
-    #[must_use]
     pub fn tolerance_draws(&self) -> usize {
         if self.quick { 5 } else { 25 }
     }
 
     /// Random six-axis motions that are simulated and decoupled beside the rig's.
-    #[must_use]
     pub fn random_motions(&self) -> u64 {
         if self.quick { 2 } else { 8 }
     }
 
     /// Whether the simulations that only serve the reference's own error of the identification are played.
-    #[must_use]
     pub fn checks_campaign_step(&self) -> bool {
         !self.quick
     }

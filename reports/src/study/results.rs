@@ -225,7 +225,6 @@ pub const REPEATED: Way = substepped(
 );
 
 /// Heun in eight sub-steps with these parameters.
-#[must_use]
 pub const fn substepped(
     parameters: ParameterSet,
     correction: Correction,
@@ -236,7 +235,6 @@ pub const fn substepped(
 
 impl Compound {
     /// The comparison made in this way: where there are two, the one that reckons with gravity.
-    #[must_use]
     pub fn comparison(&self, way: Way) -> Option<&Comparison> {
         let mut found = self
             .comparisons
@@ -251,7 +249,6 @@ impl Compound {
     }
 
     /// Its errors, over the axes' peaks; NaN where nothing was compared in this way.
-    #[must_use]
     pub fn error(&self, way: Way) -> [f64; 6] {
         self.comparison(way).map_or([f64::NAN; 6], |c| c.error)
     }
@@ -259,7 +256,6 @@ impl Compound {
 
 /// Largest error of a set of runs decoupled and compared in one way, over the axes' peaks. NaN without runs and where one of them was
 /// not compared in this way: what nobody compared meets no limit.
-#[must_use]
 pub fn worst(runs: &[Compound], way: Way) -> f64 {
     largest(runs.iter().flat_map(|run| run.error(way)))
 }
@@ -390,7 +386,6 @@ pub enum LimitKind {
 
 impl AcceptanceLimit {
     /// Whether it must hold and does not.
-    #[must_use]
     pub fn is_broken(&self) -> bool {
         self.kind == LimitKind::Required && !self.met
     }

@@ -40,7 +40,6 @@ pub struct Simulations {
 }
 
 /// The four sweeps of Fig. 7 in the order of [`Simulations::sweeps`].
-#[must_use]
 pub fn sweep_kinds() -> [(&'static str, TrueSensor, Mode); 4] {
     let design = TrueSensor::design();
     let identified = TrueSensor::identified();

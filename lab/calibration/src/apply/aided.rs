@@ -114,7 +114,6 @@ impl Aided {
     }
 
     /// Aids that come again and again, with the time from one to the next, s.
-    #[must_use]
     pub fn periodic(&self) -> Vec<(Aid, f64)> {
         let velocity = self.velocity.as_ref().map(|v| (v.aid, v.every_s));
         let fixes = match (self.fixes.front(), self.fixes.back()) {

@@ -36,7 +36,6 @@ pub enum AidChoice {
 
 impl AidChoice {
     /// Its name on the command line.
-    #[must_use]
     pub const fn word(&self) -> &'static str {
         match self {
             Self::Rest => "rest",
@@ -46,7 +45,6 @@ impl AidChoice {
     }
 
     /// The file that it reads.
-    #[must_use]
     pub fn file(&self) -> Option<&Path> {
         match self {
             Self::Attitude { file, .. } => Some(file),

@@ -57,7 +57,6 @@ pub struct AttitudeStream {
 
 impl AttitudeStream {
     /// Beside a decoder that has nothing else to go by, or that could have: `aidable`.
-    #[must_use]
     pub fn beside(filter: ErrorFilter, settings: &Settings, until_deg: f64, aidable: bool) -> Self {
         let gathering = Gathering::new(settings.sample_rate_hz, UNAIDED_BLOCK_S);
         let how = How::Beside(Box::new((filter, gathering)));
@@ -92,7 +91,6 @@ impl AttitudeStream {
     }
 
     /// In a decoder's place, with aids. `noise` is what a sample's own noise gives its accelerations, where their deviations are asked for.
-    #[must_use]
     pub fn aided(
         aided: Aided,
         settings: &Settings,
@@ -107,7 +105,6 @@ impl AttitudeStream {
 
     /// For the same recording once more, from its first sample, when it has been decoded to its end: all of it by all aids.
     /// `again` is a new decoupler like the one that this was made with.
-    #[must_use]
     pub fn smoothed(self, again: Decoupler, settings: &Settings) -> Option<Self> {
         let How::Aided(aided) = self.how else {
             return None;
@@ -154,7 +151,6 @@ impl AttitudeStream {
     }
 
     /// Whether it decodes itself.
-    #[must_use]
     pub const fn decodes(&self) -> bool {
         !matches!(self.how, How::Beside(_))
     }
@@ -316,7 +312,6 @@ impl AttitudeStream {
 
     /// Standard deviations of the last sample: a, m/s^2, w', rad/s^2, in ground axes, and of the attitude, rad. Those of the accelerations
     /// are 0 where nobody asked for them.
-    #[must_use]
     pub const fn deviations(&self) -> &[f64; 7] {
         &self.deviations
     }
@@ -327,7 +322,6 @@ impl AttitudeStream {
     }
 
     /// What became of it.
-    #[must_use]
     pub const fn summary(&self) -> &AttitudeSummary {
         &self.summary
     }

@@ -108,7 +108,6 @@ impl AttitudeSummary {
     }
 
     /// How well the attitude was known, in a sentence.
-    #[must_use]
     pub fn sentence(&self) -> String {
         let Self {
             sd_attitude_deg,

@@ -66,7 +66,6 @@ impl SampleNoise {
     }
 
     /// Standard deviations of a, m/s^2, and w', rad/s^2, in ground axes, of a sensor with this attitude.
-    #[must_use]
     pub fn in_ground_axes(&self, attitude: DQuat) -> [f64; 6] {
         let turned = DMat3::from_quat(attitude);
         deviations(&self.shell.map(|shell| turned * shell * turned.transpose()))

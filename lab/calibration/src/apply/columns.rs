@@ -60,13 +60,11 @@ impl Columns {
     }
 
     /// Whether accelerations in sensor axes are written.
-    #[must_use]
     pub const fn in_sensor_axes(self) -> bool {
         !matches!(self.frame, Frame::Ground)
     }
 
     /// Whether accelerations in ground axes are written, which come first then.
-    #[must_use]
     pub const fn in_ground_axes(self) -> bool {
         !matches!(self.frame, Frame::Sensor)
     }
@@ -92,7 +90,6 @@ impl Columns {
     }
 
     /// Their number, without the time.
-    #[must_use]
     pub fn count(self) -> usize {
         self.names().count()
     }
@@ -106,7 +103,6 @@ impl Columns {
 
     /// The layout of the answer: time, then what is wanted of accelerations in ground axes, rates in shell axes, attitude and
     /// accelerations in sensor axes.
-    #[must_use]
     pub fn layout(self, sample_rate_hz: f64) -> Layout {
         let channels = [("time", "s")]
             .into_iter()

@@ -48,7 +48,6 @@ pub struct ConditioningConfig {
 impl ConditioningConfig {
     /// What comes before the low-pass, for a monitor: it holds single samples to the channels' noise, and a filter would spread a
     /// channel's failure over samples before and after it.
-    #[must_use]
     pub fn unfiltered(&self) -> Self {
         Self {
             low_pass_hz: None,
@@ -57,7 +56,6 @@ impl ConditioningConfig {
     }
 
     /// Samples on either side from which the low-pass makes one.
-    #[must_use]
     pub fn reach(&self, sample_rate_hz: f64) -> u64 {
         self.low_pass_hz.map_or(0, |corner_hz| {
             (REMEMBERED * sample_rate_hz / corner_hz).ceil() as u64
@@ -325,7 +323,6 @@ impl ConditioningStream {
 }
 
 /// Delay of the causal low-pass well below its corner, s.
-#[must_use]
 pub fn causal_delay_s(corner_hz: f64) -> f64 {
     // Sum over the poles of a Butterworth filter of order 4: 1/tan and so on come to 2.6131 over the corner's frequency.
     2.613_125_929_752_753 / (core::f64::consts::TAU * corner_hz)

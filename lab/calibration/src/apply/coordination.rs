@@ -85,7 +85,6 @@ pub struct Coordination {
 
 impl Coordination {
     /// Nothing seen yet.
-    #[must_use]
     pub fn new(setup: &Setup, calibration: &Calibration) -> Self {
         let chain = SignalChain::new(&setup.sensor.gains, &setup.parameters);
         let stated_v = calibration.covariance.propagated.as_ref();

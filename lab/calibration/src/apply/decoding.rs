@@ -67,7 +67,6 @@ pub struct Decoding {
 
 impl Decoding {
     /// Nothing answered yet.
-    #[must_use]
     pub fn new(decoupler: Decoupler, columns: Columns, picture: bool) -> Self {
         Self {
             excluded: decoupler.excluded(),
@@ -96,7 +95,6 @@ impl Decoding {
     }
 
     /// What the accelerations in ground axes are no motion's by, if they are not.
-    #[must_use]
     pub fn no_motion(&self, sample_rate_hz: f64) -> Option<String> {
         let down_is_stated = self.gravity_ground_m_s2 != DVec3::ZERO;
         self.mean.verdict(sample_rate_hz, down_is_stated)
@@ -143,13 +141,11 @@ impl Decoding {
     }
 
     /// The attitude of the recording that has been decoded, for the same recording once more.
-    #[must_use]
     pub fn smoothed(self, again: Decoupler, settings: &Settings) -> Option<AttitudeStream> {
         self.attitude?.smoothed(again, settings)
     }
 
     /// What became of the attitude, where it was followed.
-    #[must_use]
     pub fn attitude(&self) -> Option<&AttitudeSummary> {
         self.attitude.as_ref().map(AttitudeStream::summary)
     }

@@ -57,7 +57,6 @@ pub struct Ends {
 
 impl Ends {
     /// Nothing seen yet.
-    #[must_use]
     pub fn new(setup: &Setup, calibration: &Calibration, sample_rate_hz: f64) -> Self {
         let kept = 2 * FEWEST.max((PERIOD_S * sample_rate_hz).round() as usize);
         let noise_v = calibration.covariance.propagated.as_ref();
@@ -157,7 +156,6 @@ impl Ends {
     }
 
     /// That the recording begins in motion.
-    #[must_use]
     pub fn begins_in_motion(&self) -> Option<String> {
         if self.first.len() < self.kept {
             return None;
@@ -178,7 +176,6 @@ impl Ends {
 
     /// That channels of limbs that are not `excluded` begin off their zeros, in a recording that does not begin in motion; none in one that is
     /// too short for means in which hum of 50 and of 60 Hz cancels.
-    #[must_use]
     pub fn begins_off_zero(&self, excluded: LimbSet) -> Option<String> {
         let half = self.kept / 2;
         if self.first.len() < AVERAGED * half || self.changing(&self.first[..self.kept]).is_some() {
@@ -236,7 +233,6 @@ impl Ends {
     }
 
     /// That a run ends in motion.
-    #[must_use]
     pub fn ends_in_motion(&self) -> Option<String> {
         let whole = self.last.len() == self.kept;
         let (limb, change_v) = whole.then(|| self.changing(&self.last))??;

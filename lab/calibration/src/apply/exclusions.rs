@@ -15,7 +15,6 @@ pub struct Exclusions {
 
 impl Exclusions {
     /// The same limbs throughout.
-    #[must_use]
     pub fn throughout(limbs: LimbSet) -> Self {
         Self {
             changes: vec![(0, limbs)],
@@ -34,20 +33,17 @@ impl Exclusions {
     }
 
     /// Whether all nine are read throughout.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.changes.iter().all(|(_, limbs)| limbs.is_empty())
     }
 
     /// All that are excluded at some sample.
-    #[must_use]
     pub fn ever(&self) -> LimbSet {
         let all = self.changes.iter().map(|(_, limbs)| *limbs);
         all.fold(LimbSet::EMPTY, LimbSet::union)
     }
 
     /// Those of a sample.
-    #[must_use]
     pub fn at(&self, sample: u64) -> LimbSet {
         let begun = self.changes.partition_point(|(first, _)| *first <= sample);
         let last = begun.checked_sub(1).map(|last| self.changes[last].1);
@@ -70,7 +66,6 @@ impl Exclusions {
     }
 
     /// Those from a sample on, if they are not those of the sample before it.
-    #[must_use]
     pub fn change_at(&self, sample: u64) -> Option<LimbSet> {
         let found = self
             .changes
@@ -91,7 +86,6 @@ pub struct Watched {
 impl Watched {
     /// The same for rows that a filter has made of `reach` samples on either side: what a channel shows while its limb is excluded is in
     /// all of them. Where the limbs of such rows cannot be excluded together, those that are not are suspected.
-    #[must_use]
     pub fn reaching(&self, reach: u64) -> Self {
         let changes = self.excluded.changes().chain(self.suspected.changes());
         let mut edges: Vec<u64> = changes

@@ -98,7 +98,6 @@ impl FaultWatch {
     }
 
     /// Limbs that are excluded.
-    #[must_use]
     pub fn excluded(&self) -> LimbSet {
         self.stream.excluded()
     }

@@ -96,7 +96,6 @@ impl Frozen {
     }
 
     /// What is to be said when the recording has ended.
-    #[must_use]
     pub fn warning(&self, path: &Path, sample_rate_hz: f64) -> Option<String> {
         let mut all = self.clone();
         all.end(false);

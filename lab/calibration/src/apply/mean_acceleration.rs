@@ -32,7 +32,6 @@ impl MeanAcceleration {
     }
 
     /// What to check, if it is no motion's; `down_is_stated` unless gravity is taken not to turn.
-    #[must_use]
     pub fn verdict(&self, sample_rate_hz: f64, down_is_stated: bool) -> Option<String> {
         let duration_s = self.rows as f64 / sample_rate_hz;
         let mean_m_s2 = self.sum_m_s2.length() / self.rows as f64;

@@ -36,7 +36,6 @@ pub struct NoiseLevel {
 
 impl NoiseLevel {
     /// Nothing seen yet; none where the calibration states no noise, or a low-pass takes it off. Channels of `unread` limbs are not looked at.
-    #[must_use]
     pub fn new(setup: &Setup, calibration: &Calibration, unread: LimbSet) -> Option<Self> {
         let propagated = calibration.covariance.propagated.as_ref()?;
         let least_v = OF_RANGE * setup.full_scale_v;
@@ -66,7 +65,6 @@ impl NoiseLevel {
     }
 
     /// The channels that are noisier for most of the recording, if there are any.
-    #[must_use]
     pub fn verdict(&self) -> Option<String> {
         let louder =
             |limb: &usize| !self.unread.contains(*limb) && 2 * self.loud[*limb] > self.blocks;

@@ -216,13 +216,11 @@ impl Recording {
     }
 
     /// Whether there were voltages that no converter of the stated range gives.
-    #[must_use]
     pub fn is_beyond_converter(&self) -> bool {
         self.seen.largest_v > BEYOND * self.full_scale_v
     }
 
     /// What a person should know of what was read, in sentences.
-    #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let cut = self.cut.iter();
         let mut warnings: Vec<String> = cut

@@ -281,7 +281,6 @@ impl Setup {
     }
 
     /// The decoupler's settings at a rate.
-    #[must_use]
     pub fn settings(&self, sample_rate_hz: f64, scheme: Scheme) -> Settings {
         Settings {
             scheme,

@@ -15,13 +15,11 @@ pub struct Voltages {
 
 impl Voltages {
     /// Samples.
-    #[must_use]
     pub fn samples(&self) -> usize {
         self.columns[0].len()
     }
 
     /// A sample's nine voltages.
-    #[must_use]
     pub fn row(&self, sample: usize) -> Row {
         self.columns.each_ref().map(|column| column[sample])
     }
@@ -32,7 +30,6 @@ impl Voltages {
     }
 
     /// Some of the samples.
-    #[must_use]
     pub fn part(&self, samples: Range<usize>) -> [&[f64]; LIMBS] {
         self.columns
             .each_ref()
@@ -40,7 +37,6 @@ impl Voltages {
     }
 
     /// All of them.
-    #[must_use]
     pub fn all(&self) -> [&[f64]; LIMBS] {
         self.part(0..self.samples())
     }

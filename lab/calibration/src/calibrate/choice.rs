@@ -148,7 +148,6 @@ pub(super) fn refused(cause: &str) -> Finding {
 }
 
 /// What is to be said against joint parameters whose channels contradict the model.
-#[must_use]
 pub fn contradiction(misfit: &Misfit) -> Option<String> {
     misfit.contradicts().then(|| {
         format!(
@@ -164,7 +163,6 @@ pub fn contradiction(misfit: &Misfit) -> Option<String> {
 const NO_GAIN: f64 = 0.2;
 
 /// What is to be said where gravity, turning in the sensor, contradicts the accelerometer's certificate.
-#[must_use]
 pub fn beyond_certificate(gain: &BoundedGain) -> Option<String> {
     gain.is_beyond_certificate().then(|| {
         let (seen, limit) = (100.0 * gain.seen, 100.0 * gain.limit);

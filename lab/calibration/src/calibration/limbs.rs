@@ -40,7 +40,6 @@ impl CalibratedLimbs {
     };
 
     /// Where nothing is known but the scale factors, to these relative standard deviations: limbs as an ordinary laboratory has them.
-    #[must_use]
     pub fn ordinary(scale_sd: [f64; LIMBS]) -> Self {
         let mut limbs = Self::EXACT;
         for (limb, sd) in scale_sd.into_iter().enumerate() {

@@ -20,7 +20,6 @@ impl Calibration {
 
     /// What a decoupler is prepared with, as constants of the types of `sixaxis-core`; literals read back as the same f64. The
     /// provenance stands in comments. A NaN or infinity does not compile.
-    #[must_use]
     pub fn rust_source(&self) -> String {
         let p = &self.parameters;
         let provenance = &self.provenance;

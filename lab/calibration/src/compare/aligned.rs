@@ -109,7 +109,6 @@ impl Aligned {
     }
 
     /// Whether both have these columns.
-    #[must_use]
     pub fn has(&self, columns: core::ops::Range<usize>) -> bool {
         self.result.has(columns.clone()) && self.truth.has(columns)
     }

@@ -35,7 +35,6 @@ impl Quantity {
     pub const ALL: [Self; 3] = [Self::Linear, Self::Angular, Self::Rate];
 
     /// Its unit.
-    #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Linear => "m/s^2",
@@ -72,7 +71,6 @@ pub struct Axis {
 
 impl Axis {
     /// A figure of this axis over its peak, %.
-    #[must_use]
     pub fn percent(&self, figure: f64) -> Option<f64> {
         self.largest_error_percent
             .is_some()
@@ -110,7 +108,6 @@ pub struct Comparison {
 
 impl Comparison {
     /// What is left out, in words that follow upon the number of instants, with its number as `written`; empty if nothing is.
-    #[must_use]
     pub fn left_out(&self, written: impl Fn(u64) -> String) -> String {
         match self.unknown_instants {
             0 => String::new(),
@@ -122,7 +119,6 @@ impl Comparison {
     }
 
     /// That one of the two goes on for more than a hundredth of what they have in common.
-    #[must_use]
     pub fn of_unequal_length(&self) -> Option<String> {
         let common = self.instants + self.unknown_instants;
         let files = [&self.result, &self.truth];
@@ -160,7 +156,6 @@ struct Sums {
 const ATTITUDE: usize = 9;
 
 /// A rate or a time without what a mean of time stamps in text leaves of rounding.
-#[must_use]
 pub fn to_a_millionth(number: f64) -> f64 {
     (number * 1e6).round() / 1e6
 }

@@ -38,7 +38,6 @@ impl Coarse {
 
     /// Prepares the second pass for shares of one, such as 0.5 and 0.99. The quantile is the smallest number that at least
     /// this share of all does not exceed.
-    #[must_use]
     pub fn refine(&self, shares: &[f64]) -> Fine {
         let stretches = shares
             .iter()
@@ -91,7 +90,6 @@ impl Fine {
     }
 
     /// The quantiles, in the order of the shares.
-    #[must_use]
     pub fn quantiles(&self) -> Vec<f64> {
         self.stretches
             .iter()

@@ -16,7 +16,6 @@ pub const COLUMNS: usize = MOTION_CHANNELS.len();
 pub type Motion = [f64; COLUMNS];
 
 /// Whether the attitude is not known there: `decouple` leaves all ground axes NaN then.
-#[must_use]
 pub fn is_unknown(motion: &Motion) -> bool {
     motion[..ACCELERATIONS].iter().all(|a| a.is_nan())
 }
@@ -104,7 +103,6 @@ impl Track {
     }
 
     /// Whether these columns are there.
-    #[must_use]
     pub fn has(&self, columns: core::ops::Range<usize>) -> bool {
         columns.into_iter().all(|c| self.present[c])
     }

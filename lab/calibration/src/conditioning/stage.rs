@@ -46,7 +46,6 @@ impl Stage {
     ];
 
     /// The name in tables.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Delays => "channel delays",
@@ -61,7 +60,6 @@ impl Stage {
     }
 
     /// The channels that pass through it.
-    #[must_use]
     pub const fn channels(self) -> &'static str {
         match self {
             Self::HighPass => "limbs",

@@ -35,7 +35,6 @@ pub struct Fundamental {
 }
 
 /// Fits a series near a frequency; none where the middle of it holds no such sine.
-#[must_use]
 pub fn measure(series: &[f64], sample_rate_hz: f64, frequency_hz: f64) -> Option<Fundamental> {
     let wanted = (CYCLES * sample_rate_hz / frequency_hz).round();
     if !(wanted >= (4 * HARMONICS) as f64 && wanted <= series.len() as f64) {

@@ -21,7 +21,6 @@ const INERTIA: f64 = 0.35;
 const THOUSAND: f64 = 1.4;
 
 /// Whether a factor is a thousand, within what a sensor may differ.
-#[must_use]
 pub fn is_thousand(factor: f64) -> bool {
     let size = factor.abs();
     (1e3 / THOUSAND..=1e3 * THOUSAND).contains(&size.max(1.0 / size))
@@ -37,7 +36,6 @@ pub(super) fn factor_in_words(factor: f64) -> String {
 }
 
 /// What a factor is a sign of.
-#[must_use]
 pub fn cause_of(factor: f64) -> Cause {
     if is_thousand(factor) {
         Cause::MillivoltMixUp
@@ -47,7 +45,6 @@ pub fn cause_of(factor: f64) -> Cause {
 }
 
 /// What a factor on one channel of one recording is a sign of, and what to check there.
-#[must_use]
 pub fn of_one_channel(factor: f64) -> (Cause, &'static str) {
     if (factor + 1.0).abs() < 0.1 {
         (

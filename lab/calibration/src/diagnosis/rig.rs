@@ -191,7 +191,6 @@ fn limbs_say_so(odd: &[&Reading], usual: f64, cases: &[TrialCase<'_>]) -> bool {
 
 /// Recordings in which the drive turned as the session says, for their standard reads what the rig then makes it read, and not what it would
 /// make it read at the frequency that is seen: their clocks are off.
-#[must_use]
 pub fn of_wrong_clocks(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Vec<String> {
     let (linear, angular) = of_both_standards(facts, cases);
     let wrong = |standard: Standard| {
@@ -206,7 +205,6 @@ pub fn of_wrong_clocks(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Vec<String
 }
 
 /// What the gyroscope reads over what the rig's rotation makes it read, in the median trial; none if the rig's rotation is not stated.
-#[must_use]
 pub fn gyroscope_reads(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Option<f64> {
     let (_, angular) = of_both_standards(facts, cases);
     median_excess(&angular).map(|excess| 1.0 + excess)
@@ -314,7 +312,6 @@ pub(crate) fn of_a_clock(faster: f64, other_sign: &str, or: Option<&str>) -> Fin
 
 /// By how much the drive turns faster by the recordings' clocks than the session says, relative; none if the rig's stroke and rotation are
 /// not stated.
-#[must_use]
 pub fn drive_faster(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Option<f64> {
     let (linear, angular) = of_both_standards(facts, cases);
     median_faster(&linear, &angular)
@@ -322,7 +319,6 @@ pub fn drive_faster(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Option<f64> {
 
 /// By how much the accelerometer's reading over what the rig makes it read changes from the first trial to the last, relative, along a line;
 /// none if the rig's stroke is not stated, or of too few trials.
-#[must_use]
 pub fn accelerometer_changes(facts: &Facts<'_>, cases: &[TrialCase<'_>]) -> Option<f64> {
     let (linear, _) = of_both_standards(facts, cases);
     let fitted = |cases: &[TrialCase<'_>]| {

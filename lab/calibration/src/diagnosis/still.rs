@@ -43,7 +43,6 @@ pub enum Still {
 }
 
 /// The converters' steps, V: as the static record shows them, and where a channel never changes there, as its trials do.
-#[must_use]
 pub fn steps_v<'a>(rest: &Trial, trials: impl Iterator<Item = &'a Trial> + Clone) -> [f64; LIMBS] {
     core::array::from_fn(|channel| {
         let own = converter_step_v(rest, channel);
@@ -85,7 +84,6 @@ pub fn examine(rest: &Trial, steps_v: &[f64; LIMBS], findings: &mut Vec<Finding>
 }
 
 /// What stands still in each channel of a static record, V, of converters with these steps, V.
-#[must_use]
 pub fn still(voltage_v: &[[f64; LIMBS]], steps_v: &[f64; LIMBS]) -> [Option<Still>; LIMBS] {
     let samples = voltage_v.len();
     let spans_v: [f64; LIMBS] = core::array::from_fn(|channel| span_v(voltage_v, channel));

@@ -81,7 +81,6 @@ pub fn excitation(cases: &[TrialCase<'_>], findings: &mut Vec<Finding>) {
 }
 
 /// Size of a channel's response over what the design makes one expect; none where that is too little to be a measure.
-#[must_use]
 pub fn over_design(
     shares: &StaticLoadSharing,
     facts: &Facts<'_>,
@@ -107,7 +106,6 @@ pub fn over_design(
 
 /// Size of all channels' responses together over what the design makes one expect, which no cancelling of two motions' shares in one
 /// of them spoils.
-#[must_use]
 pub fn all_over_design(
     shares: &StaticLoadSharing,
     facts: &Facts<'_>,
@@ -241,7 +239,6 @@ pub fn inverted(
 }
 
 /// How far a trial departs from the table, relative to its own size.
-#[must_use]
 pub fn departure(table: &Table, case: &TrialCase<'_>) -> Option<f64> {
     let response = case.response.as_ref()?;
     if !response.travels && table.inertia_m2.is_none() {

@@ -43,7 +43,6 @@ pub struct Table {
 
 impl Table {
     /// Scale factors from the trials that travel without turning.
-    #[must_use]
     pub fn linear(
         shares: &StaticLoadSharing,
         cases: &[TrialCase<'_>],
@@ -155,7 +154,6 @@ impl Table {
 
     /// What a channel's force should be over the waveform of a trial with the given direction, per direction component, over
     /// its m/s: m/s^2 over m/s^2, or m^2 over 1.
-    #[must_use]
     pub fn share(&self, channel: usize, response: &Response) -> DVec3 {
         let linear = response.linear_over_waveform * self.shares.of_acceleration(channel);
         let turning = response.angular_over_waveform;
@@ -170,7 +168,6 @@ impl Table {
 
     /// Force per mass that the standards of a trial make one expect of a channel at each of its samples, m/s^2, with the weight that
     /// turns; none where something turns and no inertia is known.
-    #[must_use]
     pub fn force_per_mass_m_s2(
         &self,
         channel: usize,
@@ -200,7 +197,6 @@ impl Table {
     }
 
     /// Observed and expected responses of a trial, both over m/s.
-    #[must_use]
     pub fn compare(
         &self,
         case: &TrialCase<'_>,
@@ -226,7 +222,6 @@ impl Table {
 
     /// What the error of the angle leaves in the forces per mass, all nine together, of the weight that turns in the sensor
     /// during a trial, m/s^2.
-    #[must_use]
     pub fn weight_left_m_s2(&self, case: &TrialCase<'_>, response: &Response) -> f64 {
         let trial = case.trial;
         if matches!(trial.role, Role::Linear | Role::HighFrequencyLinear) {
@@ -246,14 +241,12 @@ impl Table {
 
     /// Size that a trial's departures are relative to: its expected responses and, where it turns against gravity, a hundred times
     /// what the error of the angle leaves of the weight, so that as much is not noticed.
-    #[must_use]
     pub fn size(&self, case: &TrialCase<'_>, response: &Response, expected: &[f64; LIMBS]) -> f64 {
         let turning = self.weight_left_m_s2(case, response) / response.peak;
         norm(expected) + HUNDRED_FOLD * turning
     }
 
     /// Departure of all trials from the table, each relative to its own size and none counting for more than `cap`.
-    #[must_use]
     pub fn cost(&self, cases: &[TrialCase<'_>], cap: f64) -> f64 {
         usable(cases)
             .filter(|(case, _)| match case.trial.role {
@@ -285,7 +278,6 @@ pub fn usable<'s, 'a>(
 }
 
 /// Length of a vector of nine.
-#[must_use]
 pub fn norm(v: &[f64; LIMBS]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

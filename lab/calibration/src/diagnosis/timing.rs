@@ -26,7 +26,6 @@ const ROUNDING: f64 = 1e-9;
 const FREQUENCY: f64 = 0.02;
 
 /// Lag of a trial's standards and how much it grows over the run, s, and the standard errors of both.
-#[must_use]
 pub fn lag(trial: &Trial, response: &Response, ignored: &[bool; LIMBS]) -> [(f64, f64); 2] {
     // All nine channels agree on the lag; each counts by how well it is known.
     let (mut along, mut across, mut growth) = (0.0, 0.0, 0.0);
@@ -53,7 +52,6 @@ pub fn lag(trial: &Trial, response: &Response, ignored: &[bool; LIMBS]) -> [(f64
 }
 
 /// Time by which a trial's standards lag behind the sensor, s.
-#[must_use]
 pub fn lag_of(case: &TrialCase<'_>) -> Option<f64> {
     let response = case.response.as_ref()?;
     let [(lag, error), _] = lag(case.trial, response, &case.ignored);

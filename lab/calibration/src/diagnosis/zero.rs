@@ -59,7 +59,6 @@ pub fn examine(
 }
 
 /// Holds a further static record against the first, whose zeros are taken. Both are of the same day.
-#[must_use]
 pub fn of_a_further_record(first: &Trial, further: &Trial) -> Option<Finding> {
     let [zero, later] = [first, further].map(|rest| zero_drift::identify(&rest.voltage_v).ok());
     let (zero, later) = (zero?, later?);

@@ -56,14 +56,12 @@ const ZERO: f64 = 5e-3;
 
 impl JointReport {
     /// Whether noise and an ordinary room are all that the trials show: what [`Self::extraordinary`] names apart.
-    #[must_use]
     pub fn accounts(&self) -> bool {
         !self.misfit.contradicts() && self.is_ordinary()
     }
 
     /// Whether it leaves next to nothing of what another fit's trials contradict each other by: noise that is not white, as resampling
     /// and filters leave it, contradicts a little whatever the cause of the rest.
-    #[must_use]
     pub(super) fn leaves_little_of(&self, contradiction: &Misfit) -> bool {
         let (left, before) = (self.misfit.per_degree, contradiction.per_degree);
         left < COLOURED && left - 1.0 < LITTLE * (before - 1.0) && self.is_ordinary()
@@ -71,7 +69,6 @@ impl JointReport {
 
     /// Whether it contradicts the trials by so little that noise of another colour, or an effect of a few hundredths of a percent, may be all:
     /// its parameters are nearer to the truth than the four steps', with intervals that are made as wide as the contradiction asks.
-    #[must_use]
     pub fn nearly_accounts(&self) -> bool {
         self.misfit.per_degree < COLOURED && self.is_ordinary()
     }
@@ -84,7 +81,6 @@ impl JointReport {
     }
 
     /// The recording of one trial that leaves over more than all others together.
-    #[must_use]
     pub fn most_of_the_misfit(&self) -> Option<&str> {
         let excess = |trial: &TrialEstimate| trial.excess.max(0.0);
         let whole: f64 = self.estimate.trials.iter().map(excess).sum();
@@ -94,7 +90,6 @@ impl JointReport {
     }
 
     /// Where it accounts for nothing although it does not contradict the trials: what of the sensor it describes is beyond the ordinary.
-    #[must_use]
     pub fn beyond_the_ordinary(&self) -> String {
         let spreads = &self.estimate.spreads;
         let percent = |share: f64| 100.0 * share;
@@ -123,7 +118,6 @@ impl JointReport {
 
     /// What is out of the ordinary in a fit that accounts for its trials. By the rig's rotation the drive turns so much faster than stated,
     /// and by its stroke the standard accelerometer changes by so much over the day, relative, where the session states the rig.
-    #[must_use]
     pub fn extraordinary(
         &self,
         full_scale_v: f64,

@@ -142,7 +142,6 @@ fn agreeing(with: &str, joint: &JointReport) -> String {
 
 /// What is wrong with such a day, beside what is `certain`. What was `suspected` by holding its trials against each other is taken up
 /// only as far as a fit bears it out. Empty if nothing is to be said.
-#[must_use]
 pub fn explain(
     day: &Unaccounted<'_>,
     certain: &[Finding],

@@ -32,7 +32,6 @@ const GRAVITY_LIMIT: f64 = 3e-3;
 
 impl Knowledge {
     /// What a session file says.
-    #[must_use]
     pub fn of(session: &Session) -> Self {
         let share = |percent: f64| percent / 100.0;
         let accelerometer = &session.accelerometer;
@@ -81,7 +80,6 @@ impl Knowledge {
     }
 
     /// The same with the mass's centre anywhere near the cube's.
-    #[must_use]
     pub fn with_free_mass(&self) -> Self {
         let mut free = *self;
         free.certificates.room.mass_centre_m = mass_centre::DEVIATION_M;

@@ -7,7 +7,6 @@ use crate::calibration::CalibratedLimbs;
 
 impl JointReport {
     /// Limbs and channels beside the 25.
-    #[must_use]
     pub fn limbs(&self) -> CalibratedLimbs {
         let estimate = &self.estimate;
         let unknowns = &estimate.unknowns;

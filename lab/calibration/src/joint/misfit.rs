@@ -38,7 +38,6 @@ pub struct Misfit {
 
 impl Misfit {
     /// Of a fit.
-    #[must_use]
     pub fn of(estimate: &JointEstimate) -> Self {
         Self {
             per_degree: estimate.misfit(),
@@ -47,20 +46,17 @@ impl Misfit {
     }
 
     /// Squares per degree of freedom that noise alone may well have.
-    #[must_use]
     pub fn limit(&self) -> f64 {
         1.0 + CONTRADICTION * (2.0 / self.degrees_of_freedom.max(1) as f64).sqrt()
     }
 
     /// True if the residuals reject an ordinary room or white noise, or if the statistic is NaN.
-    #[must_use]
     pub fn contradicts(&self) -> bool {
         self.per_degree.is_nan() || self.per_degree > self.limit()
     }
 
     /// What is to be said of squares that are far too few: the noise of the recordings, which is told from above the drive's harmonics, is
     /// not that of the fit.
-    #[must_use]
     pub fn too_few(&self) -> Option<String> {
         (self.per_degree < FAR_TOO_FEW).then(|| {
             format!(
@@ -72,7 +68,6 @@ impl Misfit {
     }
 
     /// Factor on the fit's own standard deviations: 1 where nothing is contradicted.
-    #[must_use]
     pub fn wider(&self) -> f64 {
         if self.contradicts() {
             let excess = (self.per_degree - 1.0) * self.degrees_of_freedom as f64;

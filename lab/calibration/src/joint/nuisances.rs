@@ -65,7 +65,6 @@ const TOLD: f64 = 0.5;
 
 impl JointReport {
     /// What the fit found beside the 25.
-    #[must_use]
     pub fn nuisances(&self) -> Nuisances {
         let unknowns = &self.estimate.unknowns;
         let wedges = unknowns
@@ -126,7 +125,6 @@ impl JointReport {
     }
 
     /// Whether the trials say more of the accelerometer's gain than its certificate does.
-    #[must_use]
     pub fn gain_is_told(&self) -> bool {
         // The deviation of an even spread.
         self.gain.deviation() < TOLD * self.gain.limit / 3.0_f64.sqrt()

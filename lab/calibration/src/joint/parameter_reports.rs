@@ -15,7 +15,6 @@ const SENSITIVITIES: &str = "sensitivities that move over the day";
 
 impl JointReport {
     /// Reports on all 25; `four_steps` has names, units and designs, and k/m where this fit leaves it open.
-    #[must_use]
     pub fn parameter_reports(&self, four_steps: &[ParameterReport]) -> Vec<ParameterReport> {
         four_steps
             .iter()
@@ -108,7 +107,6 @@ impl JointReport {
     }
 
     /// The farther end of the interval: about an estimate in its middle, half of it.
-    #[must_use]
     pub fn half_width_95(&self, p: usize) -> f64 {
         let (low, high) = self.intervals_95[p];
         (high - self.values[p]).max(self.values[p] - low)

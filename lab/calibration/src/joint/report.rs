@@ -50,7 +50,6 @@ pub struct JointReport {
 
 impl JointReport {
     /// What the fit to these recordings comes to.
-    #[must_use]
     pub fn new(
         estimate: JointEstimate,
         recordings: Vec<String>,
@@ -86,19 +85,16 @@ impl JointReport {
     }
 
     /// Covariance of the 25 without the accelerometer's gain: noise, and whatever the channels disagree by.
-    #[must_use]
     pub fn noise_covariance(&self) -> Square {
         noise_covariance(&self.estimate, self.misfit.wider())
     }
 
     /// What parameter `p`, from 0, is off before or after the trials, a standard deviation: of a scale factor how far its sensitivity has moved.
-    #[must_use]
     pub fn moved(&self, p: usize) -> f64 {
         moved(&self.estimate, p)
     }
 
     /// Covariance of the 25 without the accelerometer's gain for a recording of another time, with what sensitivities and zeros are off there.
-    #[must_use]
     pub fn covariance_of_next_recording(&self) -> Square {
         let mut all = with_moved(&self.estimate, self.noise_covariance());
         for limb in 0..LIMBS {
@@ -109,14 +105,12 @@ impl JointReport {
     }
 
     /// Covariance of the 25 that the accelerometer's gain alone gives.
-    #[must_use]
     pub fn gain_covariance(&self) -> Square {
         let (slopes, spread) = (self.estimate.slopes(), self.gain.deviation());
         SMatrix::from_fn(|a, b| slopes[a] * slopes[b] * spread * spread)
     }
 
     /// To decouple with: where 1/(k/m) is open, with the given k/m, 1/s^2.
-    #[must_use]
     pub fn parameters(&self, otherwise_per_s2: f64) -> Parameters {
         let (compliance, _) = self.estimate.compliance_s2();
         let stiffness = if self.compliance_is_determined {

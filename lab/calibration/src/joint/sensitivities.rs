@@ -172,13 +172,11 @@ impl JointReport {
 
     /// By how much the sensitivities of most channels change alike from the first trial to the last, relative, where that is more than an
     /// ordinary room's.
-    #[must_use]
     pub fn common_change(&self) -> Option<f64> {
         self.common().map(|common| common.change)
     }
 
     /// Whether they change as they seem to where the standard that they are held against changes by so much over the day.
-    #[must_use]
     pub fn is_the_accelerometers(&self, accelerometer_changes: f64) -> bool {
         self.common_change()
             .is_some_and(|change| is_alike(-accelerometer_changes, change))

@@ -26,7 +26,6 @@ use sixaxis_page::{Page, State, Tile};
 ///
 /// Nothing is measured here but what a picture needs: the preprocessing of one trial is repeated stage by stage. Sizes of
 /// recordings are asked of the file system; one that is gone has none.
-#[must_use]
 pub fn page(file: &SessionFile, calibrated: &CalibratedSession) -> Page {
     let session = &file.session;
     let mut sections = vec![

@@ -45,7 +45,6 @@ fn figure(index: usize, quantity: Quantity) -> Figure {
 }
 
 /// The page of a comparison.
-#[must_use]
 pub fn page(comparison: &Comparison) -> Page {
     let instants = comparison.instants + comparison.unknown_instants;
     let duration_s = (instants.saturating_sub(1)) as f64 / comparison.rate_hz;
@@ -185,7 +184,6 @@ fn curves(comparison: &Comparison) -> Section {
 
 /// The page of one decoupled recording: six accelerations over time, with one standard deviation on either side where deviations
 /// were asked for, and in words how they came about.
-#[must_use]
 pub fn picture(recording: &str, curves: &Curves, facts: Vec<(String, String)>) -> Page {
     let figures = curves
         .accelerations

@@ -48,13 +48,11 @@ pub struct Judged {
 
 impl Judged {
     /// Whether channels contradict each other.
-    #[must_use]
     pub fn contradicts(self) -> bool {
         self.over_noise > CONTRADICTION
     }
 
     /// Why ratios are open.
-    #[must_use]
     pub fn cause(self) -> Cause {
         match (self.contradicts(), self.suffices) {
             (true, true) => Cause::Channels,
@@ -87,7 +85,6 @@ pub struct Scatter {
 
 impl Scatter {
     /// Of blocks of so many samples; a volt of each channel is so many m/s^2 of force per mass.
-    #[must_use]
     pub fn new(force_per_v: [f64; LIMBS], block: u32) -> Self {
         Self {
             force_per_v,
@@ -118,7 +115,6 @@ impl Scatter {
     }
 
     /// Held against what is expected of healthy channels; none for fewer than two blocks, or numbers of which nothing can be said.
-    #[must_use]
     pub fn judge(&self, expected: &Expected) -> Option<Judged> {
         if self.blocks < 2.0 {
             return None;

@@ -25,7 +25,6 @@ pub fn strains_per_v(calibration: &Calibration) -> Result<([f64; LIMBS], PerLimb
 }
 
 /// Standard deviation of the error that all ln s_i/m have in common: the accelerometer's gain, of which no ratio says anything.
-#[must_use]
 pub fn common_deviation(calibration: &Calibration) -> f64 {
     let scale = &calibration.parameters.scale_per_mass_per_kg;
     let standards = calibration.covariance.propagated.as_ref();
@@ -71,7 +70,6 @@ fn covariance_of_ln_scale(calibration: &Calibration) -> Result<PerLimbs> {
 }
 
 /// The calibration with its scale factors changed by these logarithms. It is good with reservations at best: no standard saw it.
-#[must_use]
 pub fn corrected(
     mut calibration: Calibration,
     ln_change: &[f64; LIMBS],

@@ -16,7 +16,6 @@ pub struct Share {
 
 impl Share {
     /// Of so many cases so many inside; none of no case.
-    #[must_use]
     pub fn of(inside: u64, cases: u64) -> Option<Self> {
         (cases > 0).then(|| {
             let n = cases as f64;

@@ -44,7 +44,6 @@ pub struct Check {
 
 impl Check {
     /// Whether nothing is wrong.
-    #[must_use]
     pub fn ok(&self) -> bool {
         self.lines.iter().all(|line| line.ok)
     }
@@ -60,7 +59,6 @@ impl Check {
 }
 
 /// Checks a trial.
-#[must_use]
 pub fn check(
     card: &Session,
     entry: &Entry,

@@ -46,7 +46,6 @@ pub struct Plan {
 
 impl Plan {
     /// Of a session file: its recordings are to be made anew.
-    #[must_use]
     pub fn of_session(session: &Session) -> Self {
         let entries = session.recording.iter().map(|entry| (entry.clone(), None));
         Self {
@@ -87,7 +86,6 @@ pub struct Day {
 
 impl Day {
     /// Nothing recorded.
-    #[must_use]
     pub fn new(plan: Plan, out: &Path) -> Self {
         Self {
             plan,

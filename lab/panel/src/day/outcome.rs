@@ -89,7 +89,6 @@ pub struct Outcome {
 
 impl Outcome {
     /// What has been recorded, without a calibration.
-    #[must_use]
     pub fn recorded(
         plan: &Plan,
         done: &BTreeMap<usize, (Entry, Check)>,

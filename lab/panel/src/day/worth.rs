@@ -35,7 +35,6 @@ pub struct Information {
 
 impl Information {
     /// Of no trial; none for lengths that hold no mass.
-    #[must_use]
     pub fn none(session: &Session) -> Option<Self> {
         Some(Self {
             shares: StaticLoadSharing::new(&session.sensor.geometry()).ok()?,
@@ -88,7 +87,6 @@ impl Information {
     }
 
     /// What a trial would add to these.
-    #[must_use]
     pub fn worth(&self, entry: &Entry, parameters: &[ParameterReport]) -> Option<Worth> {
         if !matches!(entry.role, Role::Linear | Role::Angular) {
             return None;

@@ -3,7 +3,6 @@
 use std::borrow::Cow;
 
 /// Kind and body of a file of the page, by its path.
-#[must_use]
 pub fn find(path: &str) -> Option<(&'static str, Cow<'static, str>)> {
     const SCRIPT: &str = "text/javascript";
     Some(match path {

@@ -34,7 +34,6 @@ pub struct Guard {
 
 impl Guard {
     /// With a token.
-    #[must_use]
     pub const fn new(token: String, loopback: bool) -> Self {
         Self { token, loopback }
     }

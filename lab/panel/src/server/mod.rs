@@ -59,7 +59,6 @@ pub struct Server {
 
 impl Server {
     /// Nobody is connected.
-    #[must_use]
     pub fn new(guard: Guard, board: Arc<Board>, sender: Sender) -> Self {
         Self {
             guard,

@@ -28,7 +28,6 @@ pub enum RequestError {
 
 impl RequestError {
     /// The status line.
-    #[must_use]
     pub const fn status(&self) -> &'static str {
         match self {
             Self::Syntax => "400 Bad Request",
@@ -79,7 +78,6 @@ impl Request {
     }
 
     /// A header by its name in small letters; none if it is there twice, which no browser sends.
-    #[must_use]
     pub fn header(&self, name: &str) -> Option<&str> {
         let mut found = self.headers.iter().filter(|(own, _)| own == name);
         let first = found.next()?;
@@ -87,7 +85,6 @@ impl Request {
     }
 
     /// A value of the query.
-    #[must_use]
     pub fn query(&self, name: &str) -> Option<&str> {
         let mut pairs = self
             .query

@@ -63,7 +63,6 @@ pub struct LiveLaboratory {
 
 impl LiveLaboratory {
     /// At rest.
-    #[must_use]
     pub fn new(settings: &Settings) -> Self {
         let plan = settings.plan();
         let laboratory = Laboratory::of_plan(&plan);

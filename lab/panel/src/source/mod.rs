@@ -76,7 +76,6 @@ pub struct Begin {
 
 impl Begin {
     /// What a session says of one of its recordings, made by hand or played.
-    #[must_use]
     pub fn of(session: &Session, entry: Entry, trial: Option<usize>) -> Self {
         let gains = entry.gain_n_per_v.unwrap_or(session.sensor.gain_n_per_v);
         let down = entry.down.or(entry.direction.map(|d| d.map(|x| -x)));

@@ -23,7 +23,6 @@ pub struct Settings {
 
 impl Settings {
     /// The plan: a sensor scattered about the design, everything else as the paper has it.
-    #[must_use]
     pub fn plan(&self) -> SessionPlan {
         SessionPlan {
             seed: self.seed,
@@ -36,13 +35,11 @@ impl Settings {
     }
 
     /// What the laboratory writes down beforehand: sensor, instruments, rig, no recordings.
-    #[must_use]
     pub fn session(&self) -> Session {
         session_file::session(&self.plan(), None, &[])
     }
 
     /// The calibration day: each recording with its length, s.
-    #[must_use]
     pub fn day(&self) -> Vec<(Entry, f64)> {
         let plan = self.plan();
         let at_rest = Entry::new("static", Role::Static);

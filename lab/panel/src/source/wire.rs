@@ -138,7 +138,6 @@ impl Head {
     }
 
     /// Whether rows have readings of the reference instruments.
-    #[must_use]
     pub const fn has_standards(&self) -> bool {
         self.standards.is_some()
     }
@@ -197,7 +196,6 @@ pub struct Wire {
 
 impl Wire {
     /// Nothing received.
-    #[must_use]
     pub fn new(channels: &Channels) -> Self {
         Self {
             channels: channels.clone(),
@@ -210,13 +208,11 @@ impl Wire {
     }
 
     /// What the first line says, once it has come.
-    #[must_use]
     pub const fn head(&self) -> Option<&Head> {
         self.head.as_ref()
     }
 
     /// Bytes that have come and are no whole row, or no whole first line, yet.
-    #[must_use]
     pub const fn unfinished(&self) -> usize {
         self.pending.len()
     }

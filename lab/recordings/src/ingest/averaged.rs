@@ -41,13 +41,11 @@ impl Averaged {
     }
 
     /// Samples averaged to one value.
-    #[must_use]
     pub fn group(&self) -> u32 {
         self.group
     }
 
     /// The values.
-    #[must_use]
     pub fn finish(self) -> Vec<f64> {
         self.values
     }

@@ -115,7 +115,6 @@ impl Stamps {
     }
 
     /// Whether a step departs from the even one by more than a hundredth of it.
-    #[must_use]
     pub fn uneven(&self, rate_hz: f64) -> bool {
         let even = 1.0 / rate_hz;
         self.extreme_steps_s
@@ -143,7 +142,6 @@ pub struct Clock {
 
 impl Clock {
     /// A clock for stamps of this channel. With a rate, [`Stamps::largest_departure_s`] is held against it.
-    #[must_use]
     pub fn new(time: &Column, rate_hz: Option<f64>) -> Self {
         Self {
             stamps: Stamps {
@@ -193,7 +191,6 @@ impl Clock {
     }
 
     /// The first stamp so far that is not finite, does not advance or follows a gap.
-    #[must_use]
     pub fn fault(&self) -> Option<StampFault> {
         let fault = |sample, cause: &str| StampFault {
             sample,
@@ -285,7 +282,6 @@ impl Clock {
     }
 
     /// The statistics of all stamps taken.
-    #[must_use]
     pub fn finish(mut self) -> Stamps {
         self.settle();
         let mut stamps = self.stamps;

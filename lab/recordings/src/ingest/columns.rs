@@ -150,13 +150,11 @@ impl Columns {
     }
 
     /// The last block's columns, without the time stamps, in SI units.
-    #[must_use]
     pub fn columns(&self) -> &[Vec<f64>] {
         &self.block.columns[..self.wanted.len()]
     }
 
     /// The last block's samples of a channel, by its place in the selection, in SI units.
-    #[must_use]
     pub fn column(&self, k: usize) -> &[f64] {
         &self.block.columns[k]
     }
@@ -168,14 +166,12 @@ impl Columns {
     }
 
     /// The last block's time stamps, s.
-    #[must_use]
     pub fn stamps_s(&self) -> Option<&[f64]> {
         self.time.as_ref()?;
         self.block.columns.last().map(Vec::as_slice)
     }
 
     /// Number of the last block's first sample.
-    #[must_use]
     pub const fn first(&self) -> u64 {
         self.before
     }
@@ -207,7 +203,6 @@ impl Columns {
     }
 
     /// As [`Source::line`].
-    #[must_use]
     pub fn line(&self, sample: u64) -> Option<u64> {
         self.source.line(sample)
     }
@@ -220,7 +215,6 @@ impl Columns {
     }
 
     /// Statistics of the time stamps read so far.
-    #[must_use]
     pub fn stamps(&self) -> Option<Stamps> {
         self.time
             .as_ref()

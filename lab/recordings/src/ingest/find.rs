@@ -25,7 +25,6 @@ pub struct Column {
 
 impl Column {
     /// A channel of a layout with the size of its unit.
-    #[must_use]
     pub fn new(layout: &Layout, index: usize, size_si: f64) -> Self {
         Self {
             index,

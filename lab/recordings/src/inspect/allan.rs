@@ -128,7 +128,6 @@ impl Allan {
     }
 
     /// What the samples show at so many of them a second; none of less than two averaging times.
-    #[must_use]
     pub fn finish(&self, samples: u64, rate_hz: f64) -> Option<Stability> {
         let first = self.levels.first()?.sums.iter().take(2).enumerate();
         let longer = self

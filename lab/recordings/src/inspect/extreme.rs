@@ -80,14 +80,12 @@ impl Extreme {
     }
 
     /// Largest value; minus infinity before the first.
-    #[must_use]
     pub const fn value(&self) -> f64 {
         self.value
     }
 
     /// The flat top, if it is one. `span` is the channel's range, `whole` that all its values are whole numbers; `sign` is -1
     /// for an extreme that was fed with the negated samples.
-    #[must_use]
     pub fn flat(
         &self,
         span: f64,

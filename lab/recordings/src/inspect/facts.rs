@@ -119,7 +119,6 @@ pub enum RateOrigin {
 
 impl RateOrigin {
     /// In words.
-    #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
             Self::File => "says the file",
@@ -151,7 +150,6 @@ pub struct Group {
 
 impl Group {
     /// Seconds from one sample to the next.
-    #[must_use]
     pub fn step_s(&self) -> Option<f64> {
         self.sample_rate_hz.map(|rate| 1.0 / rate)
     }
@@ -219,7 +217,6 @@ pub struct UnitFacts {
 
 impl UnitFacts {
     /// Looks the unit up.
-    #[must_use]
     pub fn new(name: &str) -> Self {
         let known = unit::named(name);
         Self {
@@ -342,13 +339,11 @@ pub struct ChannelFacts {
 
 impl ChannelFacts {
     /// The unit's name; empty for none.
-    #[must_use]
     pub fn unit_name(&self) -> &str {
         self.unit.as_ref().map_or("", |unit| unit.name.as_str())
     }
 
     /// Whether the unit is one of this quantity.
-    #[must_use]
     pub fn measures(&self, quantity: &str) -> bool {
         self.unit
             .as_ref()
@@ -356,7 +351,6 @@ impl ChannelFacts {
     }
 
     /// Samples that are numbers.
-    #[must_use]
     pub const fn finite(&self) -> u64 {
         self.samples - self.not_a_number - self.infinite
     }

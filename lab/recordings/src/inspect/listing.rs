@@ -18,7 +18,6 @@ const ROUNDING: f64 = 1e-6;
 const GAPS: usize = 5;
 
 /// A number with so many significant digits: plain where that is short, with an exponent elsewhere.
-#[must_use]
 pub fn brief(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}").replace("-0", "0");
@@ -37,7 +36,6 @@ pub fn brief(value: f64, digits: usize) -> String {
 }
 
 /// A number in its unit.
-#[must_use]
 pub fn with_unit(value: f64, unit: &str) -> String {
     let number = brief(value, DIGITS);
     if unit.is_empty() {
@@ -48,7 +46,6 @@ pub fn with_unit(value: f64, unit: &str) -> String {
 }
 
 /// A time with the prefix that suits it.
-#[must_use]
 pub fn seconds(value: f64) -> String {
     let (factor, unit) = match value.abs() {
         v if v >= 1.0 || v == 0.0 || v.is_nan() => (1.0, "s"),
@@ -68,7 +65,6 @@ pub(super) fn plural(n: u64, one: &str) -> String {
 }
 
 /// The whole text, one line break at its end.
-#[must_use]
 pub fn text(inspection: &Inspection) -> String {
     let mut lines = vec![
         line(&inspection.file, 4096),
@@ -119,7 +115,6 @@ pub fn text(inspection: &Inspection) -> String {
 }
 
 /// Channels, samples, rate and duration in one line.
-#[must_use]
 pub fn heading(group: &Group) -> String {
     let channels = plural(group.channels.len() as u64, "channel");
     let samples = plural(group.samples, "sample");
@@ -186,7 +181,6 @@ fn clock(stamps: &Stamps) -> Vec<String> {
 }
 
 /// A channel's unit as a table has it: `-` for none, a question mark behind one that the other commands do not understand.
-#[must_use]
 pub fn unit(channel: &ChannelFacts) -> String {
     match &channel.unit {
         None => "-".to_owned(),

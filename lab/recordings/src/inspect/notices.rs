@@ -22,7 +22,6 @@ const EACH: usize = 3;
 const NAMED: usize = 12;
 
 /// All facts about a recording.
-#[must_use]
 pub fn of(inspection: &Inspection, expected: Option<&Expected>) -> Vec<Fact> {
     let mut facts = Facts(Vec::new());
     if let Some(cut) = &inspection.cut {

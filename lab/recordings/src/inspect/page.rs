@@ -16,7 +16,6 @@ const GAPS: usize = 5;
 const NAME: usize = 48;
 
 /// Lays out the page.
-#[must_use]
 pub fn page(inspections: &[&Inspection]) -> Page {
     let facts = vec![("sixaxis".to_owned(), env!("CARGO_PKG_VERSION").to_owned())];
     if let [one] = inspections {

@@ -88,7 +88,6 @@ pub struct Pairs {
 
 impl Pairs {
     /// For so many channels; none for one and for more than [`MOST_CHANNELS`].
-    #[must_use]
     pub fn new(channels: usize) -> Option<Self> {
         (2..=MOST_CHANNELS).contains(&channels).then(|| Self {
             levels: None,
@@ -150,7 +149,6 @@ impl Pairs {
     }
 
     /// All coefficients.
-    #[must_use]
     pub fn correlations(&self) -> Correlations {
         let channels = self.values.sums.len();
         Correlations {
@@ -191,7 +189,6 @@ fn level(column: &[f64]) -> f64 {
 }
 
 /// Pairs of channels that are one signal.
-#[must_use]
 pub fn twins(channels: &[&ChannelFacts], pairs: Option<&Pairs>) -> Vec<Twins> {
     let mut found = Vec::new();
     for (i, first) in channels.iter().enumerate() {

@@ -24,7 +24,6 @@ pub struct Resolution {
 
 impl Resolution {
     /// The grid's step, if there is one.
-    #[must_use]
     pub fn grid_step(&self) -> Option<f64> {
         self.smallest_step.filter(|_| self.on_grid)
     }
@@ -73,7 +72,6 @@ impl Steps {
     }
 
     /// The answer.
-    #[must_use]
     pub fn finish(mut self) -> Resolution {
         self.kept.sort_unstable_by(f64::total_cmp);
         self.kept

@@ -29,7 +29,6 @@ pub struct Expected {
 
 impl Expected {
     /// What a session says of the file at `path`, whether it is a recording of the session or the file of its standards.
-    #[must_use]
     pub fn of(file: &SessionFile, path: &Path) -> Self {
         let session = &file.session;
         let own = session.recording.iter().find(|e| file.names(&e.file, path));
@@ -73,7 +72,6 @@ impl Expected {
     }
 
     /// Standards that this recording's motion does not reach, and that may therefore read one value throughout.
-    #[must_use]
     pub fn may_be_still(&self, name: &str) -> bool {
         let (accelerometer, gyroscope) = match self.role {
             Some(Role::Static | Role::Tap) => (true, true),
@@ -87,7 +85,6 @@ impl Expected {
     }
 
     /// Limit of a channel's converter in the channel's unit; infinite if it is none of the limbs.
-    #[must_use]
     pub fn full_scale(&self, layout: &Layout, index: usize) -> f64 {
         let mut limbs = self.channels.limbs.iter();
         let limb = limbs.any(|name| layout.position(name) == Some(index));
@@ -107,7 +104,6 @@ pub(super) fn last_part(name: &str) -> &str {
 
 /// Finds the sensor's channels: nine limbs by name (`u1` to `u9`, or as the session has them) or, where exactly nine channels are
 /// voltages, by unit. None without nine limbs.
-#[must_use]
 pub fn find(channels: &[&ChannelFacts], expected: Option<&Expected>) -> Option<Sensor> {
     let some = |which: &dyn Fn(&ChannelFacts) -> bool| -> Vec<&ChannelFacts> {
         channels.iter().copied().filter(|c| which(c)).collect()

@@ -50,7 +50,6 @@ pub struct Series {
 impl Series {
     /// Nothing taken yet. `welch` is left out for a recording that is too short for a spectrum; `full_scale` is the converter's
     /// limit in the channel's unit, infinite if it is not known. `at_rest`: Allan deviations, too.
-    #[must_use]
     pub fn new(welch: Option<Welch>, full_scale: f64, at_rest: bool) -> Self {
         Self {
             welch,
@@ -111,7 +110,6 @@ impl Series {
     }
 
     /// The answer, with frequencies in Hz if the rate is known. Densities are kept.
-    #[must_use]
     pub fn finish(self, channel: &Channel, rate_hz: Option<f64>) -> ChannelFacts {
         let mut absent = BTreeMap::new();
         let any = self.finite > 0.0;

@@ -24,7 +24,6 @@ const HARMONICS: usize = 5;
 
 /// Segment for a recording: half of one of `rows` samples that ends early; otherwise so long that lines are a quarter of a
 /// hertz apart, within bounds. None for one that is too short.
-#[must_use]
 pub fn segment(
     rows: u64,
     complete: bool,
@@ -51,7 +50,6 @@ pub fn segment(
 }
 
 /// The highest line, if it stands out of the median density, is higher than its neighbours and not among the lowest.
-#[must_use]
 pub fn dominant(densities: &[f64], distance: f64) -> Option<Line> {
     let inner = densities.get(LOWEST..densities.len().checked_sub(1)?)?;
     let (at, &peak) = inner
@@ -66,7 +64,6 @@ pub fn dominant(densities: &[f64], distance: f64) -> Option<Line> {
 }
 
 /// Lines of the mains and their harmonics, the first of which stands out of its neighbourhood.
-#[must_use]
 pub fn mains(densities: &[f64], distance_hz: f64) -> Vec<Line> {
     MAINS_HZ
         .iter()

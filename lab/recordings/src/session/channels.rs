@@ -46,7 +46,6 @@ impl Channels {
     }
 
     /// A channel of a stream, which is in volts if it is a limb's and neither its heading nor the session says its unit.
-    #[must_use]
     pub fn in_volts(&self, mut channel: Channel) -> Channel {
         if self.limbs_unit.is_none() && self.limbs.contains(&channel.name) {
             channel.unit.get_or_insert_with(|| "V".to_owned());

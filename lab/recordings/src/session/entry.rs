@@ -30,7 +30,6 @@ pub enum Role {
 
 impl Role {
     /// The word that the session file has for it.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Static => "static",
@@ -84,7 +83,6 @@ pub struct Entry {
 
 impl Entry {
     /// A recording of which no more is known.
-    #[must_use]
     pub fn new(file: impl Into<PathBuf>, role: Role) -> Self {
         Self {
             file: file.into(),

@@ -50,13 +50,11 @@ impl SessionFile {
     }
 
     /// Path of a recording.
-    #[must_use]
     pub fn resolve(&self, file: &Path) -> PathBuf {
         self.path.parent().unwrap_or(Path::new(".")).join(file)
     }
 
     /// Whether a path in the session is this file.
-    #[must_use]
     pub fn names(&self, listed: &Path, file: &Path) -> bool {
         let listed = self.resolve(listed);
         match (listed.canonicalize(), file.canonicalize()) {
@@ -66,7 +64,6 @@ impl SessionFile {
     }
 
     /// A recording's entry: the same file, or else the only one of that name.
-    #[must_use]
     pub fn entry(&self, recording: &Path) -> Option<&Entry> {
         let entries = &self.session.recording;
         if let Some(entry) = entries.iter().find(|e| self.names(&e.file, recording)) {
@@ -82,14 +79,12 @@ impl SessionFile {
     }
 
     /// The session's own file of an entry that another file is taken for by its name, if it has one.
-    #[must_use]
     pub fn namesake(&self, entry: &Entry, recording: &Path) -> Option<PathBuf> {
         let own = self.resolve(&entry.file);
         (!self.names(&entry.file, recording) && own.exists()).then_some(own)
     }
 
     /// An error at a key such as `recording[3].direction`.
-    #[must_use]
     pub fn refuse(&self, key: &str, cause: impl Into<String>) -> Error {
         Error::Session {
             path: self.path.clone(),

@@ -26,7 +26,6 @@ pub fn refused(path: &Path, text: &str, error: &toml::de::Error) -> Error {
 }
 
 /// Line, from 1, of a key such as `recording[3].direction`. Of a key that is not there, the line of what should hold it.
-#[must_use]
 pub fn line_of(text: &str, key: &str) -> Option<usize> {
     let document = DeTable::parse(text).ok()?;
     let mut line = None;
@@ -64,7 +63,6 @@ pub fn line_of(text: &str, key: &str) -> Option<usize> {
 }
 
 /// Line, from 1, of a byte.
-#[must_use]
 pub fn line_at(text: &str, byte: usize) -> usize {
     1 + text.as_bytes()[..byte.min(text.len())]
         .iter()

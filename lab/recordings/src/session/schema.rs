@@ -41,13 +41,11 @@ pub struct Session {
 
 impl Session {
     /// Acceleration of free fall, m/s^2, as stated or the standard one.
-    #[must_use]
     pub fn gravity_m_s2(&self) -> f64 {
         self.stated_gravity_m_s2().unwrap_or(STANDARD_GRAVITY_M_S2)
     }
 
     /// As stated.
-    #[must_use]
     pub fn stated_gravity_m_s2(&self) -> Option<f64> {
         self.rig.as_ref()?.gravity_m_s2
     }
@@ -77,7 +75,6 @@ impl Default for Limits {
 }
 
 /// The session file's JSON schema.
-#[must_use]
 pub fn schema() -> serde_json::Value {
     schemars::schema_for!(Session).to_value()
 }

@@ -43,7 +43,6 @@ pub enum PerLimb {
 
 impl PerLimb {
     /// Nine numbers.
-    #[must_use]
     pub fn each(&self) -> [f64; LIMBS] {
         match *self {
             Self::All(value) => [value; LIMBS],
@@ -66,7 +65,6 @@ pub struct Design {
 
 impl SensorCard {
     /// The sensor's lengths, m.
-    #[must_use]
     pub fn geometry(&self) -> Geometry {
         Geometry {
             limb_length_m: self.limb_length_mm * 1e-3,
@@ -75,7 +73,6 @@ impl SensorCard {
     }
 
     /// What is odd about the lengths, if they are not those of one sensor. Of trials only the second order shows how long limbs are.
-    #[must_use]
     pub fn odd_lengths(&self) -> Option<String> {
         let Self {
             limb_length_mm,
@@ -91,7 +88,6 @@ impl SensorCard {
     }
 
     /// The sensor's design values as parameters, with a zero drift of 0 V.
-    #[must_use]
     pub fn design(&self) -> Parameters {
         let design = &self.design;
         Parameters {

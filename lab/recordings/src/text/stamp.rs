@@ -44,7 +44,6 @@ impl Stamps {
 }
 
 /// Date and time, ns since 1970, or a time of day, ns since midnight, as text columns have them.
-#[must_use]
 pub fn calendar_ns(cell: &str) -> Option<i128> {
     whole(cell.as_bytes()).or_else(|| time_of_day(cell.as_bytes()))
 }

@@ -23,7 +23,6 @@ pub enum Integrator {
 
 impl Integrator {
     /// The scheme.
-    #[must_use]
     pub const fn scheme(self) -> Scheme {
         match self {
             Self::Euler => Scheme::Euler,
@@ -49,7 +48,6 @@ pub enum Axes {
 
 impl Axes {
     /// The frame.
-    #[must_use]
     pub const fn frame(self) -> Frame {
         match self {
             Self::Ground => Frame::Ground,

@@ -50,7 +50,6 @@ impl FirstOrderSearch {
     }
 
     /// Mean |w*| over the paper's grid with scale factors that are in error by `eps`, relative.
-    #[must_use]
     pub fn curve(&self, eps: &[f64; LIMBS]) -> Vec<(f64, f64)> {
         self.curve_of(&self.trials, eps)
     }

@@ -70,7 +70,6 @@ impl<W: Write + Send> Sink for Printed<W> {
 }
 
 /// Whether an error says that nobody reads the output any more.
-#[must_use]
 pub fn is_closed_pipe(error: &anyhow::Error) -> bool {
     let broken = |e: &io::Error| e.kind() == io::ErrorKind::BrokenPipe;
     match error.downcast_ref::<sixaxis_recordings::Error>() {

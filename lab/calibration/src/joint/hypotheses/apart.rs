@@ -17,7 +17,6 @@ const AMONG: f64 = 0.5;
 
 /// What was suspected of single trials, if a fit accounts for all others. Trials that something `certain` concerns are left
 /// aside as well, and where that is enough, nothing is left to suspect trials of.
-#[must_use]
 pub fn tried(
     day: &Unaccounted<'_>,
     certain: &[Finding],

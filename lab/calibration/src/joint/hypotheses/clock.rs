@@ -33,7 +33,6 @@ pub(crate) struct Clock {
 }
 
 /// The clock with which the joint fit accounts for all trials.
-#[must_use]
 pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     let mut clock = Clock {
         behind_s: 0.0,

@@ -20,7 +20,6 @@ const AS_WELL: f64 = 0.3;
 const MOST: usize = 3;
 
 /// The trials that stand otherwise, if that accounts for the day.
-#[must_use]
 pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     let trials: Vec<&Trial> = day.campaign.trials.iter().map(|(trial, _)| trial).collect();
     let mut freed = *day.knowledge;

@@ -68,7 +68,6 @@ impl Other {
 }
 
 /// What accounts for all trials, if this does, and better than `accounting` where that does already.
-#[must_use]
 pub fn tried(day: &Unaccounted<'_>, accounting: Option<&JointReport>) -> Option<Finding> {
     if accounting.is_some_and(|joint| left_for_others(joint) < CROSS_TALK) {
         return None;

@@ -193,7 +193,6 @@ impl Replugged {
 }
 
 /// The exchange that accounts for all trials, or several that do.
-#[must_use]
 pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     let shares = StaticLoadSharing::new(&day.campaign.geometry).ok()?;
     // What was found of trials before was found with channels taken for each other.

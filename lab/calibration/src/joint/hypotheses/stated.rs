@@ -185,7 +185,6 @@ impl Stated {
 }
 
 /// What accounts for all trials, if one of these does.
-#[must_use]
 pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
     let shares = StaticLoadSharing::new(&day.campaign.geometry).ok()?;
     let (as_stated, table) = with(&shares, day.cases, None)?;
@@ -224,7 +223,6 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
 }
 
 /// That the sensor is turned on its flange, if that accounts for all trials.
-#[must_use]
 pub fn turned_on_the_flange(day: &Unaccounted<'_>) -> Option<Finding> {
     let shares = StaticLoadSharing::new(&day.campaign.geometry).ok()?;
     let (as_stated, _) = with(&shares, day.cases, None)?;

@@ -85,7 +85,6 @@ fn table(findings: &[Finding]) -> Table {
 
 /// What to do next, parted into what to do at once and what may be a consequence of what was found: where something is wrong,
 /// nothing that it spoils can be judged.
-#[must_use]
 pub fn split(calibrated: &CalibratedSession) -> (&[String], &[String]) {
     let at_once = if calibrated.findings.is_empty() {
         calibrated.next.len()
