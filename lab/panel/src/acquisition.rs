@@ -17,7 +17,7 @@ use sixaxis_recordings::session::{Channels, Session};
 use crate::board::{Board, Live, Post, locked};
 use crate::chain::{Beside, Chain, Choice};
 use crate::columns::{self, Batch, COLUMNS};
-use crate::control::{Command, LabCommand, Parameters, Stages};
+use crate::control::{LabCommand, Parameters, Stages};
 use crate::day::{Captured, Job, Outcome};
 use crate::history::History;
 use crate::recorder::Recorder;
@@ -132,7 +132,7 @@ impl Acquisition {
             Event::Begin(begin) => self.begin(*begin),
             Event::End { complete } => self.end(complete),
             Event::Note(text) => self.note(text),
-            Event::Control(command) => self.obey(command),
+            Event::Control(message) => self.obey(message),
             Event::Calibrated(outcome) => self.calibrated(*outcome),
         }
     }
@@ -146,9 +146,7 @@ impl Acquisition {
     }
 
     fn start(&mut self, start: Start) {
-        if self.recorder.is_some() {
-            self.obey(Command::StopRecording);
-        }
+        self.stop_recording();
         self.note(format!(
             "{}: {} samples per second",
             start.title, start.sample_rate_hz

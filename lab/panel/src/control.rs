@@ -158,23 +158,64 @@ pub struct View {
     pub points: u16,
 }
 
-/// For the instrument: only the browser that holds the controls may say that.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Command {
-    /// For the simulated laboratory.
-    Laboratory(LabCommand),
-    /// Start a recording under a name without ending.
-    Record(String, FileFormat),
+/// A message, as it is written: the first four for the server, all others for the instrument.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Message {
+    /// What is to be drawn.
+    View(View),
+    /// A picture has been drawn.
+    Seen {
+        /// Its number.
+        picture: u32,
+    },
+    /// The browser wants to hold the controls: only one that holds them may say what follows below.
+    Take {},
+    /// It does not any more.
+    Release {},
+    /// A run of the simulated laboratory.
+    Run {
+        /// Which.
+        run: FreeRun,
+    },
+    /// The simulated rig stands still.
+    Stop {},
+    /// A defect of the simulated laboratory.
+    Defect {
+        /// Which, or none any more.
+        defect: Option<Defect>,
+    },
+    /// Laboratory time over real time.
+    Speed {
+        /// That ratio.
+        speed: f64,
+    },
+    /// Start a recording.
+    Record {
+        /// Its name without ending.
+        name: String,
+        /// Its format.
+        format: FileFormat,
+    },
     /// End it.
-    StopRecording,
+    StopRecording {},
     /// Other stages.
-    Stages(Stages),
+    Stages {
+        /// Which.
+        stages: Stages,
+    },
     /// Other parameters.
-    Parameters(Parameters),
+    Parameters {
+        /// Whose.
+        parameters: Parameters,
+    },
     /// The fault monitor on or off.
-    Watch(bool),
+    Watch {
+        /// Whether it is on.
+        on: bool,
+    },
     /// Decode from rest, identity attitude, zero rate; take the zeros of the last second for the design's parameters.
-    Restart,
+    Restart {},
     /// Record a trial of the calibration day: begin, or with `done` end.
     Capture {
         /// Which, 0 the static one.
@@ -183,73 +224,11 @@ pub enum Command {
         done: bool,
     },
     /// Take a trial out of the calibration day.
-    Discard(usize),
-    /// Clear counts of clipped samples.
-    ClearCounts,
-}
-
-/// A message.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Message {
-    /// What is to be drawn.
-    View(View),
-    /// A picture has been drawn.
-    Seen(u32),
-    /// The browser wants to hold the controls.
-    Take,
-    /// It does not any more.
-    Release,
-    /// A command.
-    Command(Command),
-}
-
-/// Messages as they are written.
-#[derive(Deserialize)]
-#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
-enum Written {
-    View {
-        columns: Vec<usize>,
-        span_s: f64,
-        end_s: Option<f64>,
-        points: u16,
-    },
-    Seen {
-        picture: u32,
-    },
-    Take {},
-    Release {},
-    Run {
-        run: FreeRun,
-    },
-    Stop {},
-    Defect {
-        defect: Option<Defect>,
-    },
-    Speed {
-        speed: f64,
-    },
-    Record {
-        name: String,
-        format: FileFormat,
-    },
-    StopRecording {},
-    Stages {
-        stages: Stages,
-    },
-    Parameters {
-        parameters: Parameters,
-    },
-    Watch {
-        on: bool,
-    },
-    Restart {},
-    Capture {
-        trial: usize,
-        done: bool,
-    },
     Discard {
+        /// Which.
         trial: usize,
     },
+    /// Clear counts of clipped samples.
     ClearCounts {},
 }
 
@@ -262,7 +241,13 @@ impl Message {
         if text.len() > LONGEST_MESSAGE {
             return Err(Refusal::Range("a message is at most 4096 bytes"));
         }
-        let written = serde_json::from_str(text).map_err(|e| Refusal::Syntax(e.to_string()))?;
+        let message: Self =
+            serde_json::from_str(text).map_err(|e| Refusal::Syntax(e.to_string()))?;
+        message.check()?;
+        Ok(message)
+    }
+
+    fn check(&self) -> Result<(), Refusal> {
         let within = |ok: bool, cause: &'static str| {
             if ok {
                 Ok(())
@@ -270,83 +255,42 @@ impl Message {
                 Err(Refusal::Range(cause))
             }
         };
-        let lab = |command| Self::Command(Command::Laboratory(command));
-        Ok(match written {
-            Written::View {
-                columns,
-                span_s,
-                end_s,
-                points,
-            } => {
-                within(columns.len() <= MOST_COLUMNS, "at most 24 columns")?;
-                within(columns.iter().all(|c| *c < COLUMNS), "no such column")?;
-                within((1e-3..=3600.0).contains(&span_s), "a span is 1 ms to 1 h")?;
-                within(
-                    end_s.is_none_or(|s| (0.0..=1e9).contains(&s)),
-                    "no such time",
-                )?;
-                within((2..=MOST_POINTS).contains(&points), "2 to 4096 points")?;
-                Self::View(View {
-                    columns,
-                    span_s,
-                    end_s,
-                    points,
-                })
+        match self {
+            Self::View(view) => {
+                within(view.columns.len() <= MOST_COLUMNS, "at most 24 columns")?;
+                within(view.columns.iter().all(|c| *c < COLUMNS), "no such column")?;
+                let span = (1e-3..=3600.0).contains(&view.span_s);
+                within(span, "a span is 1 ms to 1 h")?;
+                let end = view.end_s.is_none_or(|s| (0.0..=1e9).contains(&s));
+                within(end, "no such time")?;
+                within((2..=MOST_POINTS).contains(&view.points), "2 to 4096 points")
             }
-            Written::Seen { picture } => Self::Seen(picture),
-            Written::Take {} => Self::Take,
-            Written::Release {} => Self::Release,
-            Written::Run { run } => {
-                within(
-                    (0.1..=5.0).contains(&run.frequency_hz),
-                    "the rig turns at 0.1 to 5 Hz",
-                )?;
-                within(
-                    (0.001..=1.0).contains(&run.amplitude),
-                    "an amplitude is 0.1 % to 100 %",
-                )?;
+            Self::Run { run } => {
+                let turns = (0.1..=5.0).contains(&run.frequency_hz);
+                within(turns, "the rig turns at 0.1 to 5 Hz")?;
+                let amplitude = (0.001..=1.0).contains(&run.amplitude);
+                within(amplitude, "an amplitude is 0.1 % to 100 %")?;
                 within((0.0..=60.0).contains(&run.seconds), "a run is at most 60 s")?;
-                within(run.wedge < 6, "there are six wedges")?;
-                lab(LabCommand::Run(run))
+                within(run.wedge < 6, "there are six wedges")
             }
-            Written::Stop {} => lab(LabCommand::Stop),
-            Written::Defect { defect } => {
-                if let Some(Defect::Dead { limb } | Defect::Drift { limb }) = defect {
-                    within((1..=LIMBS).contains(&limb), "limbs are 1 to 9")?;
-                }
-                lab(LabCommand::Defect(defect))
-            }
-            Written::Speed { speed } => {
-                within((0.1..=100.0).contains(&speed), "a speed is 0.1 to 100")?;
-                lab(LabCommand::Speed(speed))
-            }
-            Written::Record { name, format } => {
-                within(
-                    is_name(&name),
-                    "a name is 1 to 80 letters, digits, - _ or .; the first no dot",
-                )?;
-                Self::Command(Command::Record(name, format))
-            }
-            Written::StopRecording {} => Self::Command(Command::StopRecording),
-            Written::Stages { stages } => {
+            Self::Defect {
+                defect: Some(Defect::Dead { limb } | Defect::Drift { limb }),
+            } => within((1..=LIMBS).contains(limb), "limbs are 1 to 9"),
+            Self::Speed { speed } => within((0.1..=100.0).contains(speed), "a speed is 0.1 to 100"),
+            Self::Record { name, .. } => within(
+                is_name(name),
+                "a name is 1 to 80 letters, digits, - _ or .; the first no dot",
+            ),
+            Self::Stages { stages } => {
                 let corner = |hz: Option<f64>| hz.is_none_or(|hz| (1e-3..=5e4).contains(&hz));
-                within(corner(stages.low_pass_hz), "a corner is 0.001 to 50000 Hz")?;
-                within(corner(stages.high_pass_hz), "a corner is 0.001 to 50000 Hz")?;
-                Self::Command(Command::Stages(stages))
+                let both = corner(stages.low_pass_hz) && corner(stages.high_pass_hz);
+                within(both, "a corner is 0.001 to 50000 Hz")
             }
-            Written::Parameters { parameters } => Self::Command(Command::Parameters(parameters)),
-            Written::Watch { on } => Self::Command(Command::Watch(on)),
-            Written::Restart {} => Self::Command(Command::Restart),
-            Written::Capture { trial, done } => {
-                within(trial < 1000, "no such trial")?;
-                Self::Command(Command::Capture { trial, done })
+            Self::Capture { trial, .. } | Self::Discard { trial } => {
+                within(*trial < 1000, "no such trial")
             }
-            Written::Discard { trial } => {
-                within(trial < 1000, "no such trial")?;
-                Self::Command(Command::Discard(trial))
-            }
-            Written::ClearCounts {} => Self::Command(Command::ClearCounts),
-        })
+            _ => Ok(()),
+        }
     }
 }
 

@@ -3,46 +3,54 @@
 use sixaxis_core::LIMBS;
 
 use super::Acquisition;
-use crate::control::{Command, FileFormat, LabCommand};
+use crate::control::{FileFormat, LabCommand, Message};
 use crate::day::Job;
 use crate::recorder::{self, Recorder};
 use crate::source::Begin;
 
 impl Acquisition {
     /// Does it.
-    pub(super) fn obey(&mut self, command: Command) {
-        match command {
-            Command::Laboratory(command) => self.laboratory(command),
-            Command::Record(name, format) => self.record(&name, format),
-            Command::StopRecording => {
-                if let Some(recorder) = &mut self.recorder {
-                    recorder.stop();
-                }
-            }
-            Command::Stages(stages) => {
+    pub(super) fn obey(&mut self, message: Message) {
+        match message {
+            // The server has answered them.
+            Message::View(_) | Message::Seen { .. } | Message::Take {} | Message::Release {} => {}
+            Message::Run { run } => self.laboratory(LabCommand::Run(run)),
+            Message::Stop {} => self.laboratory(LabCommand::Stop),
+            Message::Defect { defect } => self.laboratory(LabCommand::Defect(defect)),
+            Message::Speed { speed } => self.laboratory(LabCommand::Speed(speed)),
+            Message::Record { name, format } => self.record(&name, format),
+            Message::StopRecording {} => self.stop_recording(),
+            Message::Stages { stages } => {
                 self.stages = stages;
                 self.rebuild();
             }
-            Command::Parameters(choice) => {
-                self.choice = choice;
+            Message::Parameters { parameters } => {
+                self.choice = parameters;
                 self.restart();
             }
-            Command::Watch(on) => {
+            Message::Watch { on } => {
                 self.watch = on;
                 self.restart();
             }
-            Command::Restart => {
+            Message::Restart {} => {
                 if !self.statistics.at_rest {
                     self.note("started from rest where the channels do not rest: zeros are what they showed on average".to_owned());
                 }
                 self.chain.zero_v = Some(self.statistics.channels.map(|c| c.mean_v));
                 self.restart();
             }
-            Command::Capture { trial, done } => self.by_hand(trial, done),
-            Command::Discard(trial) => {
+            Message::Capture { trial, done } => self.by_hand(trial, done),
+            Message::Discard { trial } => {
                 let _ = self.setup.day.send(Job::Discard(trial));
             }
-            Command::ClearCounts => self.statistics.clear_counts(),
+            Message::ClearCounts {} => self.statistics.clear_counts(),
+        }
+    }
+
+    /// Ends the recording, if one is under way.
+    pub(super) fn stop_recording(&mut self) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.stop();
         }
     }
 

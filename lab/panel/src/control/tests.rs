@@ -7,11 +7,8 @@ fn law_messages_are_read() {
     let view = r#"{"do":"view","columns":[0,8],"span_s":10,"end_s":null,"points":800}"#;
     assert!(matches!(Message::parse(view), Ok(Message::View(v)) if v.columns == [0, 8]));
     let dead = r#"{"do":"defect","defect":{"kind":"dead","limb":4}}"#;
-    let expected = LabCommand::Defect(Some(Defect::Dead { limb: 4 }));
-    assert_eq!(
-        Message::parse(dead),
-        Ok(Message::Command(Command::Laboratory(expected)))
-    );
+    let defect = Some(Defect::Dead { limb: 4 });
+    assert_eq!(Message::parse(dead), Ok(Message::Defect { defect }));
 }
 
 #[test]

@@ -199,23 +199,22 @@ impl<'a> Client<'a> {
                 self.view = Some(view);
                 Ok(())
             }
-            Ok(Message::Seen(number)) => {
-                self.answered(number);
+            Ok(Message::Seen { picture }) => {
+                self.answered(picture);
                 Ok(())
             }
-            Ok(Message::Take) => {
+            Ok(Message::Take {}) => {
                 self.server.controls.take(self.number);
                 Ok(())
             }
-            Ok(Message::Release) => {
+            Ok(Message::Release {}) => {
                 self.server.controls.release(self.number);
                 Ok(())
             }
-            Ok(Message::Command(_)) if !self.server.controls.held_by(self.number) => {
+            Ok(_) if !self.server.controls.held_by(self.number) => {
                 self.refuse("another browser holds the controls")
             }
-            Ok(Message::Command(command)) => match self.server.sender.send(Event::Control(command))
-            {
+            Ok(control) => match self.server.sender.send(Event::Control(control)) {
                 Ok(()) => Ok(()),
                 Err(_) => Err(Over::Closed),
             },

@@ -26,7 +26,7 @@ use sixaxis_core::LIMBS;
 use sixaxis_recordings::session::{Entry, Session};
 
 use crate::columns::Batch;
-use crate::control::Command;
+use crate::control::Message;
 
 /// Batches that may wait for the acquisition.
 pub const WAITING: usize = 256;
@@ -108,7 +108,7 @@ pub enum Event {
     /// Something to be shown: a connection, a refused row, the end of a file.
     Note(String),
     /// From the browser that holds the controls.
-    Control(Command),
+    Control(Message),
     /// A calibration that was computed beside, or why there is none.
     Calibrated(Box<crate::day::Outcome>),
 }
