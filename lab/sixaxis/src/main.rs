@@ -36,16 +36,7 @@ fn after_help() -> String {
     format!("Start with:\n{report}{AFTER_HELP}")
 }
 
-const AFTER_HELP: &str = "\
-\x20 sixaxis simulate --out day                     a laboratory's day: recordings and session file
-  sixaxis calibrate day/session.toml             25 parameters, their intervals, a verdict
-  sixaxis decouple calibration.json run.tdms     six accelerations from nine voltages
-  sixaxis panel                                  the instrument live, in a browser
-  sixaxis campaign --help                        thousands of calibrations: do the intervals hold?
-
-Exit codes: 0 done, and the verdict is good; 1 it could not be done; 2 the command line is not understood; 3 done, good with
-reservations; 4 done, not good; 5 the report is written and a limit that it requires is broken. What 3 and 4 are of other commands
-than calibrate stands in docs/exit-codes.md.";
+const AFTER_HELP: &str = include_str!("main.txt");
 
 #[derive(Subcommand)]
 enum Task {

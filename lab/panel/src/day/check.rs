@@ -43,11 +43,6 @@ pub struct Check {
 }
 
 impl Check {
-    /// Whether nothing is wrong.
-    pub fn ok(&self) -> bool {
-        self.lines.iter().all(|line| line.ok)
-    }
-
     fn say(&mut self, what: &'static str, found: String, asked: String, ok: bool) {
         self.lines.push(Line {
             what,

@@ -171,11 +171,6 @@ impl Columns {
         self.block.columns.last().map(Vec::as_slice)
     }
 
-    /// Number of the last block's first sample.
-    pub const fn first(&self) -> u64 {
-        self.before
-    }
-
     /// Refuses a channel's first sample of the last block that is not finite.
     ///
     /// # Errors

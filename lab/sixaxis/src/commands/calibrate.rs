@@ -70,21 +70,7 @@ pub struct Arguments {
 /// A pass takes about as long as the four steps; one that converges needs four.
 const MOST_PASSES: i64 = 1000;
 
-const AFTER_HELP: &str = "\
-Examples:
-  sixaxis calibrate day/session.toml
-  sixaxis calibrate day/session.toml --out sensor-7.json --report sensor-7.html
-  sixaxis calibrate day/session.toml --json --quiet | jq .verdict
-  sixaxis calibrate day/session.toml --iterate 10
-  sixaxis calibrate day/session.toml --estimator joint --robust
-  sixaxis calibrate day/session.toml --format rust --out firmware/src/calibration.rs
-  sixaxis calibrate --schema session > session.schema.json
-
-A calibration that is not good is written all the same, with its verdict and what was found in it; none is written where the
-four steps, or the joint fit that was asked for, could not be done.
-
-Exit codes: 0 good; 3 good with reservations; 4 not good; 1 it could not be done, no calibration was written (the report is, where
-the recordings could be read); 2 the command line is not understood.";
+const AFTER_HELP: &str = include_str!("calibrate.txt");
 
 /// An estimator by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -16,13 +16,7 @@ pub struct Arguments {
     task: Task,
 }
 
-const AFTER_HELP: &str = "\
-Examples:
-  sixaxis simulate --print-plan --engine rigid --sensor random > plan.toml
-  sixaxis campaign run --plan plan.toml --count 10000 --out campaign
-  sixaxis campaign summary campaign
-
-Interrupt a run as you like, kill included: the same command goes on where its finished parts end.";
+const AFTER_HELP: &str = include_str!("campaign.txt");
 
 #[derive(Subcommand)]
 enum Task {

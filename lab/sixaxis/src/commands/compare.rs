@@ -30,16 +30,7 @@ pub struct Arguments {
     json: Option<PathBuf>,
 }
 
-const AFTER_HELP: &str = "\
-Both files have the columns ax, ay, az, alpha_x, alpha_y, alpha_z, as `sixaxis decouple` and the truth folder of
-`sixaxis simulate` have them; wx, wy, wz and qw, qx, qy, qz are compared where both have them. They are laid side by side by
-their `time` column, or else by their start and rate. One rate must be a whole multiple of the other. Instants where `decouple`
-left ground axes NaN, since the attitude was not known well enough, are left out and counted.
-
-Example:
-  sixaxis simulate --out day && sixaxis calibrate day/session.toml
-  sixaxis decouple day/calibration.json day/compound-03.csv --session day/session.toml --low-pass 30 --rest-to-rest --out run.csv
-  sixaxis compare run.csv day/truth/compound-03.csv";
+const AFTER_HELP: &str = include_str!("compare.txt");
 
 /// Compares, prints the table, writes the page.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {

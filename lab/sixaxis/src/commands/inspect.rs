@@ -55,25 +55,7 @@ pub struct Arguments {
     strict: bool,
 }
 
-const AFTER_HELP: &str = "\
-Examples:
-  sixaxis inspect run.tdms
-  sixaxis inspect day/*.npz --session day/session.toml --strict
-  sixaxis inspect day/static.npz --session day/session.toml --calibration day/calibration.json
-  sixaxis inspect run.csv --picture run.html
-  sixaxis inspect run.csv --channels a1,a2,a3,a4,a5,a6,a7,a8,a9 --unit mV
-  sixaxis inspect run.parquet --json | jq '.files[].noticed'
-
-Columns: noise is the standard deviation of the white noise (median over pieces of 4,096 samples, from third differences);
-density the same as a one-sided root density, per root hertz: noise by the root of 2 over the rate; step the smallest difference of two samples; bits what the range needs in such steps, where all samples stand on a grid of
-them; drift the mean of the last tenth less that of the first; peak the highest line of the spectrum. A unit with a question
-mark is not understood by `calibrate`.
-
-At rest, the Allan deviation at averaging times of 1, 2, 4 ... samples (--json and --picture have it) gives the density of the white
-noise, the bias instability (lowest deviation over 0.664, and the averaging time) and the random walk (the unit per root second), each with
-one standard deviation, or why the record does not tell it. With --calibration the limbs' noise becomes that of the accelerations.
-
-Exit codes: 0 all could be read, whatever was noticed; 1 a file could not be read; 4 with --strict, something was noticed.";
+const AFTER_HELP: &str = include_str!("inspect.txt");
 
 /// One file's part of the JSON document.
 #[derive(Serialize)]

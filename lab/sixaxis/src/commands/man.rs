@@ -23,11 +23,7 @@ pub struct Arguments {
     out: Option<PathBuf>,
 }
 
-const AFTER_HELP: &str = "\
-Examples:
-  sixaxis man > sixaxis.1
-  sixaxis man decouple | man -l -
-  sixaxis man --out ~/.local/share/man/man1";
+const AFTER_HELP: &str = include_str!("man.txt");
 
 /// Prints a page, or writes all.
 pub fn run(arguments: &Arguments, mut command: Command) -> Result<ExitCode> {

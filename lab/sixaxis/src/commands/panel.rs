@@ -75,17 +75,7 @@ pub struct Arguments {
     no_open: bool,
 }
 
-const AFTER_HELP: &str = "\
-Examples:
-  sixaxis panel                                     a simulated laboratory: run the rig, calibrate, decouple
-  sixaxis panel --tcp 5555 --calibration calibration.json --session session.toml
-                                                    samples that a program sends; see docs/panel.md
-  daq-program | sixaxis panel --stdin               first a line such as \"sixaxis rate=10000 format=text\", then nine voltages a line
-  sixaxis panel --follow growing.tdms
-  sixaxis panel --play day/compound-03.tdms --speed 2 --session day/session.toml
-  ssh -L 8765:localhost:8765 laboratory             then open the link that the panel printed there
-
-The link holds a token, without which the page stays empty. Several browsers may look; one holds the controls.";
+const AFTER_HELP: &str = include_str!("panel.txt");
 
 fn speed(text: &str) -> Result<f64, String> {
     match text.parse() {

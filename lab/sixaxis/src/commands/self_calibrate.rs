@@ -63,23 +63,7 @@ pub struct Arguments {
     json: bool,
 }
 
-const AFTER_HELP: &str = "\
-The strains of nine limbs obey three coordination equations in any motion, and a motion rich enough tells the ratios of all nine
-scale factors over stiffnesses from them. The stiffnesses are those of the calibration's joint fit; to a calibration by the four steps,
-which knows none, limbs that differ by 0.5 % (one standard deviation) are ordinary, and drifts below five times that show for themselves only with --since. Turn the sensor about all axes, as fast as you can, for a minute: translation alone, or turning about one
-axis, leaves ratios open, and which is said. Zero drifts need not be known, but must stand still.
-
-A common change of all nine shows with --known-change only, beyond the error of the calibration's accelerometer. Limbs are named as
-drifted against the others, at most four; without a known change the others are taken to have kept their scale. A stiffness that has changed shows as a drift. Intervals are of 95 % and hold the recording's noise and, unless
---calibration-exact, what the calibration says of its own; so does the rate of --false-alarm.
-
-Examples:
-  sixaxis self-calibrate calibration.json tumble.tdms --gain 0.05 --down 0,0,-1
-  sixaxis self-calibrate calibration.json now.csv --since then.csv --gain 0.05
-  sixaxis self-calibrate calibration.json turned.csv --gain 0.05 --known-change 19.6133 --rests 0-2,63-65
-
-Exit codes: 0 no limb has drifted; 3 limbs have drifted and are named, or all nine together; 4 it cannot be said: the motion is too
-poor, more than four limbs have drifted, or the equations do not fit; 1 it could not be done; 2 the command line is not understood.";
+const AFTER_HELP: &str = include_str!("self_calibrate.txt");
 
 /// Checks.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {

@@ -95,17 +95,7 @@ const ENGINE_HELP: &str = if cfg!(feature = "harness") {
      not compiled in [default: rigid]"
 };
 
-const AFTER_HELP: &str = "\
-Examples:
-  sixaxis simulate --out day                                  the paper's campaign
-  sixaxis simulate --out day --sensor random --defect random --engine rigid --seed 7
-                                                              something to be judged blind
-  sixaxis simulate --print-plan > plan.toml                   everything that can be set, to start from
-  sixaxis simulate --plan plan.toml --out day
-  sixaxis simulate --out day --tumble 60 --drift-limb 4=0.3%  and a recording from the field, to self-calibrate with
-
-The folder's truth/ holds what no laboratory knows: true parameters and motions, and what is wrong. session.toml is written
-last: a folder that has one is complete.";
+const AFTER_HELP: &str = include_str!("simulate.txt");
 
 /// One of some words.
 pub fn choice<T>(words: &'static [&'static str]) -> impl TypedValueParser<Value = T> + use<T>

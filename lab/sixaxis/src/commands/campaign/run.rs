@@ -42,17 +42,7 @@ pub struct Arguments {
     quiet: bool,
 }
 
-const AFTER_HELP: &str = "\
-Examples:
-  sixaxis campaign run --plan plan.toml --count 10000 --out campaign
-  sixaxis campaign run --plan plan.toml --count 1000000 --shard $SLURM_ARRAY_TASK_ID/100 --out campaign
-
-A row holds seed, status, true parameters, estimates, standard errors and what calibrate states; it depends on plan and seed
-alone. Rows come in parts of 64 (cases-FIRST-LAST.parquet), each there whole or not at all. The same command again does what
-is missing and nothing else; a damaged part is named, set aside and done again; a folder of another plan is refused.
-
-Exit codes: 0 all cases are there, those that could not be calibrated with the reason in their rows; 1 it could not be done,
-finished parts stay; 2 the command line is not understood.";
+const AFTER_HELP: &str = include_str!("run.txt");
 
 /// Does what is left to be done.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {

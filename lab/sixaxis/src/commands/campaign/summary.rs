@@ -21,22 +21,7 @@ pub struct Arguments {
     json: bool,
 }
 
-const AFTER_HELP: &str = "\
-Examples:
-  sixaxis campaign summary campaign
-  sixaxis campaign summary node-1 node-2 node-3 --json | jq '.parameters[] | {name, four_steps}'
-
-The same cases give the same numbers, on one kind of processor bit for bit, however they were split and in whatever order the folders are named.
-
-Errors are estimate less truth. `var/stated` is the mean of their squares, each over the variance that its fit states: of the four
-steps noise alone, of the joint fit with the certificate; `noise 95 %` is the share of cases within 1.96 of those; `stated 95 %` the share within
-the interval that is stated, which has wedges and the standards' certificates in it; in brackets the 95 % interval of the share itself,
-by Wilson, as far as so many cases know it. `gain known` is the joint fit told the gain of
-the accelerometer, which no trial can know: `var/stated` there is the attained variance over the one that it then states, which allows for an ordinary
-room; simulated laboratories without cross-talk and with equal limbs stay below 1.
-
-Exit codes: 0 all cases that were asked for are there; 3 some are missing, which are listed; 1 it could not be done: damaged
-parts, parts of two campaigns, a case that is there twice; 2 the command line is not understood.";
+const AFTER_HELP: &str = include_str!("summary.txt");
 
 /// Runs of seeds that the table lists.
 const RUNS_SHOWN: usize = 10;
