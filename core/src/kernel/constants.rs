@@ -141,7 +141,6 @@ impl Constants<f64> {
     }
 
     /// The same numbers rounded to another scalar.
-    #[must_use]
     pub fn rounded<T: Scalar>(&self) -> Constants<T> {
         self.map(T::from_f64)
     }

@@ -18,15 +18,12 @@ pub trait Real:
     type Storage: Vec3Storage<Self>;
 
     /// `value` in the type of `self`, in every lane. A method, because a vector type is only at hand where the processor has it.
-    #[must_use]
     fn constant(self, value: f64) -> Self;
 
     /// `self * factor + term`, rounded once where the processor does.
-    #[must_use]
     fn times_plus(self, factor: Self, term: Self) -> Self;
 
     /// `term - self * factor`.
-    #[must_use]
     fn neg_mul_add(self, factor: Self, term: Self) -> Self;
 }
 
@@ -48,7 +45,6 @@ pub trait Scalar:
     /// All bits set, or none.
     fn bits(set: bool) -> Self;
     /// Bit by bit: zero where none is set, itself where all are. Looks at no value, so that NaN is like any other.
-    #[must_use]
     fn and(self, bits: Self) -> Self;
     /// Three numbers as a vector.
     fn vector(v: Vec3<Self>) -> Self::Vector;

@@ -38,7 +38,6 @@ pub struct StrainReconstruction<T: Real> {
 
 impl<T: Scalar> StrainReconstruction<T> {
     /// Of no limb.
-    #[must_use]
     pub fn none() -> Self {
         Self {
             strain: StrainWeights::none(),
@@ -47,7 +46,6 @@ impl<T: Scalar> StrainReconstruction<T> {
     }
 
     /// Rounded weights, and what they do to this sensor's forces.
-    #[must_use]
     pub fn new(reconstruction: &Reconstruction, constants: &Constants<f64>) -> Self {
         Self {
             strain: StrainWeights::new(reconstruction),
@@ -78,7 +76,6 @@ impl<T: Real> StrainReconstruction<T> {
 
 impl Constants<f64> {
     /// The same with zero strain of the excluded limbs.
-    #[must_use]
     pub fn excluding(&self, excluded: LimbSet) -> Self {
         let kept = to_kernel_order(core::array::from_fn(|limb| {
             f64::from(u8::from(!excluded.contains(limb)))

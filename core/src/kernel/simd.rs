@@ -44,10 +44,8 @@ pub trait Register: Real {
     /// Writes them there.
     fn store_at(self, series: &mut [f64], at: usize);
     /// Square root.
-    #[must_use]
     fn root(self) -> Self;
     /// The larger of two numbers, lane by lane; either where one is NaN.
-    #[must_use]
     fn larger(self, other: Self) -> Self;
 }
 

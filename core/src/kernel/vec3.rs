@@ -36,32 +36,24 @@ pub trait Vec3Storage<T: Real>: Copy {
         Self::new(x, y, z)
     }
     /// Component by component.
-    #[must_use]
     fn plus(self, other: Self) -> Self;
     /// Component by component.
-    #[must_use]
     fn minus(self, other: Self) -> Self;
     /// Component by component.
-    #[must_use]
     fn mul_elem(self, other: Self) -> Self;
     /// `self * other + term`, component by component.
-    #[must_use]
     fn mul_elem_plus(self, other: Self, term: Self) -> Self;
     /// `term - self * other`, component by component.
-    #[must_use]
     fn neg_mul_elem_plus(self, other: Self, term: Self) -> Self;
     /// The same number three times.
     fn all(value: T) -> Self;
     /// (y, z, x).
-    #[must_use]
     fn cycled(self) -> Self;
     /// `self . other`.
     fn dot(self, other: Self) -> T;
     /// `term + self x other`.
-    #[must_use]
     fn cross_plus(self, other: Self, term: Self) -> Self;
     /// `self x other`.
-    #[must_use]
     fn cross(self, other: Self) -> Self;
     /// x, y and z components of three vectors' sum in the pattern of [`Vec3::moment`].
     fn moment(v: [Self; 3]) -> Self;
@@ -70,7 +62,6 @@ pub trait Vec3Storage<T: Real>: Copy {
 /// Bitwise selection of components.
 pub trait Select {
     /// [`Scalar::and`], component by component.
-    #[must_use]
     fn and(self, bits: Self) -> Self;
 }
 

@@ -38,7 +38,6 @@ pub struct LoadWeights<T: Real> {
 
 impl<T: Scalar> StrainWeights<T> {
     /// Of no limb: strains stay as they are.
-    #[must_use]
     pub(super) fn none() -> Self {
         Self {
             own: [[Vec3::all(T::from_f64(1.0)); LIMBS_PER_NODE]; 2],
@@ -47,7 +46,6 @@ impl<T: Scalar> StrainWeights<T> {
     }
 
     /// Rounded.
-    #[must_use]
     pub(super) fn new(reconstruction: &Reconstruction) -> Self {
         let of = reconstruction.weights();
         let weights = ORDER
@@ -128,7 +126,6 @@ impl<T: Real> StrainWeights<T> {
 
 impl<T: Scalar> LoadWeights<T> {
     /// Rounded.
-    #[must_use]
     pub(super) fn new(reconstruction: &Reconstruction, constants: &Constants<f64>) -> Self {
         // Third order is less than what is known of ratios other than 1, of which sums of forces have more left.
         let equal = *reconstruction.stiffness_ratio() == [1.0; LIMBS];
