@@ -26,11 +26,7 @@ fn asked() -> Result<(), String> {
     if let Some(path) = arguments.text("--rows") {
         return rows::write_shard(&arguments, (FIRST, COUNT), Engine::Mujoco, path);
     }
-    let seeds = Seeds {
-        first: FIRST,
-        count: COUNT,
-        sample: 1,
-    };
+    let seeds = Seeds::alone(FIRST, COUNT);
     arguments.obey(seeds, |first, count| study(first, count, &arguments))
 }
 

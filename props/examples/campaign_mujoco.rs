@@ -13,11 +13,7 @@ use sixaxis_props::results::{MujocoCampaign, Pooled, four_steps_hold, joint_hold
 const PLAN: &str = include_str!("../results/campaign_mujoco.toml");
 
 fn main() -> ExitCode {
-    let seeds = Seeds {
-        first: 710_001,
-        count: 48,
-        sample: 1,
-    };
+    let seeds = Seeds::alone(710_001, 48);
     run(seeds, study)
 }
 

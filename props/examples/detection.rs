@@ -28,15 +28,7 @@ const CURVES: [(u64, [f64; 3]); 2] = [(1, [3.0, 5.0, 8.0]), (64, [0.3, 0.5, 1.0]
 const DRAWS: u64 = 250;
 
 fn main() -> ExitCode {
-    let (first, count) = (REPORTED_FROM, COUNT);
-    run(
-        Seeds {
-            first,
-            count,
-            sample: 1,
-        },
-        study,
-    )
+    run(Seeds::alone(REPORTED_FROM, COUNT), study)
 }
 
 fn study(first: u64, each: u64) -> Result<Detection, String> {

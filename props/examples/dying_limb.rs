@@ -22,15 +22,7 @@ const STRIDE: usize = 20;
 const LIMB: usize = 7;
 
 fn main() -> ExitCode {
-    let (first, count) = (REPORTED_FROM, 10);
-    run(
-        Seeds {
-            first,
-            count,
-            sample: 1,
-        },
-        study,
-    )
+    run(Seeds::alone(REPORTED_FROM, 10), study)
 }
 
 fn study(first: u64, count: u64) -> Result<DyingLimb, String> {

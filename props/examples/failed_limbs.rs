@@ -45,15 +45,7 @@ const RUN: usize = 1002;
 type Six = Vec<[f64; 6]>;
 
 fn main() -> ExitCode {
-    let (first, count) = (1_000, 10);
-    run(
-        Seeds {
-            first,
-            count,
-            sample: 1,
-        },
-        study,
-    )
+    run(Seeds::alone(1_000, 10), study)
 }
 
 fn study(first_seed: u64, seeds: u64) -> Result<FailedLimbs, String> {

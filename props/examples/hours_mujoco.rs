@@ -23,11 +23,7 @@ const TEN_MINUTES: Length<'_> = Length {
 };
 
 fn main() -> ExitCode {
-    let seeds = Seeds {
-        first: REPORTED_FROM,
-        count: COUNT,
-        sample: 1,
-    };
+    let seeds = Seeds::alone(REPORTED_FROM, COUNT);
     run(seeds, |first, count| {
         Ok(MujocoHours {
             step_s: STEP_S,

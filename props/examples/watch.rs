@@ -21,15 +21,7 @@ const REPORTED_FROM: u64 = 30_000_000;
 const LABORATORIES: u64 = 192;
 
 fn main() -> ExitCode {
-    let (first, count) = (REPORTED_FROM, LABORATORIES);
-    run(
-        Seeds {
-            first,
-            count,
-            sample: 1,
-        },
-        study,
-    )
+    run(Seeds::alone(REPORTED_FROM, LABORATORIES), study)
 }
 
 fn study(first: u64, count: u64) -> Result<WatchedLaboratories, String> {

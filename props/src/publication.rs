@@ -30,6 +30,17 @@ pub struct Seeds {
     pub sample: u64,
 }
 
+impl Seeds {
+    /// So many from the first on, of which each alone makes a sample.
+    pub const fn alone(first: u64, count: u64) -> Self {
+        Self {
+            first,
+            count,
+            sample: 1,
+        }
+    }
+}
+
 /// A program that does one study and has no options of its own: `--first` and `--count` give other seeds, `--publish` and `--check` are told above.
 pub fn run<S: Studied>(seeds: Seeds, study: impl Fn(u64, u64) -> Result<S, String>) -> ExitCode {
     end(Arguments::given(&[]).and_then(|arguments| arguments.obey(seeds, study)))

@@ -13,11 +13,7 @@ use sixaxis_props::results::{Budget, Errors, headline};
 use sixaxis_reports::study::budget::{FIRST_SEED, laboratories, study};
 
 fn main() -> ExitCode {
-    let seeds = Seeds {
-        first: FIRST_SEED,
-        count: laboratories(),
-        sample: 1,
-    };
+    let seeds = Seeds::alone(FIRST_SEED, laboratories());
     run(seeds, |first, count| {
         let found = study(first, count, &shown);
         print(&found);

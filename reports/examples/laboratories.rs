@@ -14,15 +14,7 @@ use sixaxis_reports::study::plan::Plan;
 use sixaxis_reports::study::{laboratories, simulations};
 
 fn main() -> ExitCode {
-    let (first, count) = (1, 100);
-    run(
-        Seeds {
-            first,
-            count,
-            sample: 1,
-        },
-        study,
-    )
+    run(Seeds::alone(1, 100), study)
 }
 
 fn study(first: u64, count: u64) -> Result<Laboratories, String> {
