@@ -1,8 +1,8 @@
 //! What a browser may say: typed, bounded, and nothing else.
 
+use anyhow::{Result, anyhow, ensure};
 use serde::{Deserialize, Serialize};
 use sixaxis_core::LIMBS;
-use thiserror::Error;
 
 use crate::columns::COLUMNS;
 
@@ -11,17 +11,6 @@ pub const LONGEST_MESSAGE: usize = 4096;
 /// Most columns and points of a picture.
 const MOST_COLUMNS: usize = 24;
 const MOST_POINTS: u16 = 4096;
-
-/// A message that is refused, and why.
-#[derive(Debug, Error, PartialEq)]
-pub enum Refusal {
-    /// Not a message of the protocol.
-    #[error("not understood: {0}")]
-    Syntax(String),
-    /// A number or a name out of bounds.
-    #[error("{0}")]
-    Range(&'static str),
-}
 
 /// How the rig moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
@@ -236,24 +225,20 @@ impl Message {
     /// Reads a message and checks its bounds.
     ///
     /// # Errors
-    /// [`Refusal`].
-    pub fn parse(text: &str) -> Result<Self, Refusal> {
-        if text.len() > LONGEST_MESSAGE {
-            return Err(Refusal::Range("a message is at most 4096 bytes"));
-        }
+    /// No message of the protocol, or one with a number or a name out of bounds: why it is refused.
+    pub fn parse(text: &str) -> Result<Self> {
+        let short = text.len() <= LONGEST_MESSAGE;
+        ensure!(short, "a message is at most 4096 bytes");
         let message: Self =
-            serde_json::from_str(text).map_err(|e| Refusal::Syntax(e.to_string()))?;
+            serde_json::from_str(text).map_err(|e| anyhow!("not understood: {e}"))?;
         message.check()?;
         Ok(message)
     }
 
-    fn check(&self) -> Result<(), Refusal> {
+    fn check(&self) -> Result<()> {
         let within = |ok: bool, cause: &'static str| {
-            if ok {
-                Ok(())
-            } else {
-                Err(Refusal::Range(cause))
-            }
+            ensure!(ok, cause);
+            Ok(())
         };
         match self {
             Self::View(view) => {

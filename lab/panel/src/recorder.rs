@@ -4,17 +4,18 @@
 //! A journal is [`HEAD`] bytes of text, a JSON object padded with blanks to a line, and then rows of little-endian 64-bit numbers:
 //! NumPy reads it by `fromfile(path, "<f8", offset=1024).reshape(-1, columns)`.
 
+use std::fmt::Display;
 use std::fs::{File, OpenOptions};
 use std::io::{BufReader, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use anyhow::{Result, anyhow, bail, ensure};
 use serde::{Deserialize, Serialize};
 use sixaxis_recordings::{Block, Channel, Layout, create};
-use thiserror::Error;
 
 use crate::board::locked;
 use crate::control::FileFormat;
@@ -29,33 +30,6 @@ const FLUSH: Duration = Duration::from_millis(500);
 const WAITING: usize = 1024;
 /// Rows of a finished file that are converted at a time.
 const ROWS: usize = 1 << 14;
-
-/// What can go wrong.
-#[derive(Debug, Error)]
-pub enum RecorderError {
-    /// The system says no.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// There is a file of that name.
-    #[error("{0} is there already; give another name")]
-    Exists(String),
-    /// Not a journal.
-    #[error("{}: not a journal of this program: {cause}", path.display())]
-    Journal {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        cause: String,
-    },
-    /// The finished file cannot be written.
-    #[error(transparent)]
-    Finish(#[from] sixaxis_recordings::Error),
-}
 
 /// The head of a journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -72,6 +46,13 @@ pub struct Head {
 }
 
 const JOURNAL: &str = "sixaxis-journal-1";
+/// Said of a name that would replace a file.
+const EXISTS: &str = "is there already; give another name";
+
+/// An error of a file.
+fn of_file(path: &Path, cause: impl Display) -> anyhow::Error {
+    anyhow!("{}: {cause}", path.display())
+}
 
 /// How far a recording is.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
@@ -102,17 +83,14 @@ impl Recorder {
     /// Starts a recording, which replaces nothing.
     ///
     /// # Errors
-    /// [`RecorderError::Exists`], [`RecorderError::Io`].
-    pub fn start(folder: &Path, name: &str, head: Head) -> Result<Self, RecorderError> {
+    /// A file of that name, or of its journal's, that is there already; what the system says.
+    pub fn start(folder: &Path, name: &str, head: Head) -> Result<Self> {
         let finished = folder.join(format!("{name}.{}", head.format.extension()));
         let path = folder.join(format!("{name}.{ENDING}"));
         if finished.exists() || path.exists() {
-            return Err(RecorderError::Exists(name.to_owned()));
+            bail!("{name} {EXISTS}");
         }
-        let io = |source| RecorderError::Io {
-            path: path.clone(),
-            source,
-        };
+        let io = |source| of_file(&path, source);
         let mut file = OpenOptions::new()
             .write(true)
             .create_new(true)
@@ -133,10 +111,7 @@ impl Recorder {
             .name("record".to_owned())
             .spawn(move || {
                 let done = append(&mut file, &head, &received, &of_thread)
-                    .map_err(|source| RecorderError::Io {
-                        path: path.clone(),
-                        source,
-                    })
+                    .map_err(|source| of_file(&path, source))
                     .and_then(|()| finish(&path, &finished));
                 let mut progress = locked(&of_thread);
                 match done {
@@ -144,10 +119,7 @@ impl Recorder {
                     Err(error) => progress.failed = Some(error.to_string()),
                 }
             })
-            .map_err(|source| RecorderError::Io {
-                path: folder.to_owned(),
-                source,
-            })?;
+            .map_err(|source| of_file(folder, source))?;
         Ok(Self {
             rows: Some(rows),
             columns,
@@ -256,29 +228,26 @@ fn append(
 }
 
 /// Reads the head of a journal.
-fn read_head(file: &mut impl Read, path: &Path) -> Result<Head, RecorderError> {
-    let refuse = |cause: String| RecorderError::Journal {
-        path: path.to_owned(),
-        cause,
-    };
+fn read_head(file: &mut impl Read) -> Result<Head> {
     let mut bytes = [0; HEAD];
-    file.read_exact(&mut bytes)
-        .map_err(|e| refuse(e.to_string()))?;
-    let head: Head = serde_json::from_slice(&bytes).map_err(|e| refuse(e.to_string()))?;
-    if head.journal != JOURNAL || head.columns.is_empty() {
-        return Err(refuse("another version".to_owned()));
-    }
+    file.read_exact(&mut bytes)?;
+    let head: Head = serde_json::from_slice(&bytes)?;
+    let this_version = head.journal == JOURNAL && !head.columns.is_empty();
+    ensure!(this_version, "another version");
     Ok(head)
 }
 
+/// The same, with the file and what it should be.
+fn head_of(file: &mut impl Read, path: &Path) -> Result<Head> {
+    read_head(file)
+        .map_err(|cause| of_file(path, format!("not a journal of this program: {cause}")))
+}
+
 /// Makes a file of a journal and removes the journal. A row that was cut off is left out.
-fn finish(journal: &Path, finished: &Path) -> Result<(), RecorderError> {
-    let io = |source| RecorderError::Io {
-        path: journal.to_owned(),
-        source,
-    };
+fn finish(journal: &Path, finished: &Path) -> Result<()> {
+    let io = |source| of_file(journal, source);
     let mut file = BufReader::with_capacity(1 << 20, File::open(journal).map_err(io)?);
-    let head = read_head(&mut file, journal)?;
+    let head = head_of(&mut file, journal)?;
     let channel = |(name, unit): &(String, String)| Channel {
         sample_rate_hz: Some(head.sample_rate_hz),
         ..Channel::new(name.clone(), Some(unit))
@@ -325,10 +294,10 @@ pub fn recover(folder: &Path) -> Vec<String> {
             let mut file = File::open(&path).ok()?;
             // Locked: it is being written by another panel.
             file.try_lock().ok()?;
-            let made = read_head(&mut file, &path).and_then(|head| {
+            let made = head_of(&mut file, &path).and_then(|head| {
                 let finished = path.with_extension(head.format.extension());
                 if finished.exists() {
-                    return Err(RecorderError::Exists(finished.display().to_string()));
+                    bail!("{} {EXISTS}", finished.display());
                 }
                 finish(&path, &finished)?;
                 Ok(finished)

@@ -8,7 +8,7 @@ fn law_messages_are_read() {
     assert!(matches!(Message::parse(view), Ok(Message::View(v)) if v.columns == [0, 8]));
     let dead = r#"{"do":"defect","defect":{"kind":"dead","limb":4}}"#;
     let defect = Some(Defect::Dead { limb: 4 });
-    assert_eq!(Message::parse(dead), Ok(Message::Defect { defect }));
+    assert_eq!(Message::parse(dead).ok(), Some(Message::Defect { defect }));
 }
 
 #[test]
@@ -35,10 +35,8 @@ fn law_anything_else_is_refused() {
         assert!(Message::parse(text).is_err(), "{text}");
     }
     let long = format!(r#"{{"do":"take","a":"{}"}}"#, "x".repeat(LONGEST_MESSAGE));
-    assert_eq!(
-        Message::parse(&long),
-        Err(Refusal::Range("a message is at most 4096 bytes"))
-    );
+    let refusal = Message::parse(&long).expect_err("it is too long");
+    assert_eq!(refusal.to_string(), "a message is at most 4096 bytes");
 }
 
 #[test]

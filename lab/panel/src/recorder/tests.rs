@@ -27,10 +27,9 @@ fn law_what_is_recorded_reads_back_bit_for_bit() {
             Recorder::start(folder.path(), format.extension(), head.clone()).expect("starts");
         rows.chunks(140)
             .for_each(|part| recorder.push(part.to_vec()));
-        assert!(matches!(
-            Recorder::start(folder.path(), format.extension(), head),
-            Err(RecorderError::Exists(_))
-        ));
+        let again = Recorder::start(folder.path(), format.extension(), head).err();
+        let said = again.expect("the name is taken").to_string();
+        assert!(said.ends_with(EXISTS), "{said}");
         recorder.wait();
         let progress = recorder.progress();
         assert_eq!(
