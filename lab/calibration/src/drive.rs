@@ -100,19 +100,17 @@ pub(crate) fn shows_noise_alone(trial: &Trial) -> bool {
 }
 
 fn standard_goes_along(trial: &Trial) -> bool {
-    let linear = || along::goes_along(&trial.accelerometer_m_s2, &trial.voltage_v);
-    let angular = || along::goes_along(&trial.gyroscope_rad_s, &trial.voltage_v);
-    match trial.role {
-        Role::Linear | Role::HighFrequencyLinear => linear(),
-        Role::Angular => angular(),
-        Role::Validation => linear() && angular(),
-        Role::Static | Role::Tap => false,
-    }
+    holds_of_standards(trial, |series| along::goes_along(series, &trial.voltage_v))
 }
 
 fn standard_varies_as_noise(trial: &Trial) -> bool {
-    let linear = || varies_as_noise(&trial.accelerometer_m_s2);
-    let angular = || varies_as_noise(&trial.gyroscope_rad_s);
+    holds_of_standards(trial, varies_as_noise)
+}
+
+/// Whether something holds of the standard that a trial needs, or of both where it needs both.
+fn holds_of_standards(trial: &Trial, holds: impl Fn(&[f64]) -> bool) -> bool {
+    let linear = || holds(&trial.accelerometer_m_s2);
+    let angular = || holds(&trial.gyroscope_rad_s);
     match trial.role {
         Role::Linear | Role::HighFrequencyLinear => linear(),
         Role::Angular => angular(),

@@ -28,9 +28,20 @@ pub(super) const WORTH_A_WORD: f64 = 1e-3;
 
 /// Frees what the session says of standards and channels, if it leaves room for that.
 type Freed = fn(&Unaccounted<'_>, &mut Certificates) -> Option<()>;
-/// What is said of it, by the fit, what the session says, what is taken instead, and the slowest and the fastest drive, rad/s; none if
-/// its unknown is not told beyond doubt.
-type Told = fn(&JointReport, [&Knowledge; 2], [f64; 2]) -> Option<Finding>;
+/// What is said of it; none if its unknown is not told beyond doubt.
+type Told = fn(&Fitted<'_>) -> Option<Finding>;
+
+/// A fit with a freedom more.
+struct Fitted<'a> {
+    joint: &'a JointReport,
+    /// What the session says.
+    stated: &'a Knowledge,
+    /// What is taken instead.
+    taken: &'a Knowledge,
+    /// Of the drives.
+    slowest_rad_s: f64,
+    fastest_rad_s: f64,
+}
 
 const FREEDOMS: [(Freed, Told); 10] = [
     (high_pass, amplifier),
@@ -54,31 +65,20 @@ const FREEDOMS: [(Freed, Told); 10] = [
     (delays, late_channels),
 ];
 
-/// The fits of a day with each freedom for which the session leaves room.
-pub(super) struct Fits {
-    fits: Vec<(Told, Knowledge, JointReport)>,
-    /// The slowest and the fastest drive, rad/s.
-    drives_rad_s: [f64; 2],
-}
+/// The fits of a day with each freedom for which the session leaves room, and what is taken instead of what it says.
+pub(super) struct Fits(Vec<(Told, Knowledge, JointReport)>);
 
 impl Fits {
     pub(super) fn of(day: &Unaccounted<'_>) -> Self {
         let trials: Vec<&Trial> = day.campaign.trials.iter().map(|(trial, _)| trial).collect();
         let rest = at_rest(day.drift);
-        let drives = || trials.iter().map(|trial| TAU * trial.frequency_hz);
         let of = |(free, told): &(Freed, Told)| {
             let mut freed = *day.knowledge;
             free(day, &mut freed.certificates)?;
             let joint = day.fit(&trials, &rest, &day.start, &freed)?;
             Some((*told, freed, joint))
         };
-        Self {
-            fits: FREEDOMS.par_iter().filter_map(of).collect(),
-            drives_rad_s: [
-                drives().fold(f64::INFINITY, f64::min),
-                drives().fold(0.0, f64::max),
-            ],
-        }
+        Self(FREEDOMS.par_iter().filter_map(of).collect())
     }
 
     /// The freedoms that account for all trials.
@@ -103,9 +103,17 @@ impl Fits {
     }
 
     fn that(&self, day: &Unaccounted<'_>, will_do: impl Fn(&JointReport) -> bool) -> Vec<Finding> {
-        let fits = self.fits.iter().filter(|(_, _, joint)| will_do(joint));
-        fits.filter_map(|(told, freed, joint)| {
-            told(joint, [day.knowledge, freed], self.drives_rad_s)
+        let trials = || day.campaign.trials.iter().map(|(trial, _)| trial);
+        let drives = || trials().map(|trial| TAU * trial.frequency_hz);
+        let fits = self.0.iter().filter(|(_, _, joint)| will_do(joint));
+        fits.filter_map(|(told, taken, joint)| {
+            told(&Fitted {
+                joint,
+                stated: day.knowledge,
+                taken,
+                slowest_rad_s: drives().fold(f64::INFINITY, f64::min),
+                fastest_rad_s: drives().fold(0.0, f64::max),
+            })
         })
         .collect()
     }
@@ -136,13 +144,9 @@ fn high_pass(_: &Unaccounted<'_>, free: &mut Certificates) -> Option<()> {
 }
 
 /// A corner too low for its lead to show lends each channel a straight line of its own, which other things have as well.
-fn amplifier(
-    joint: &JointReport,
-    _: [&Knowledge; 2],
-    [slowest_rad_s, _]: [f64; 2],
-) -> Option<Finding> {
-    let corner_rad_s = told(joint, AMPLIFIER_CORNER)?;
-    if corner_rad_s <= WORTH_A_WORD * slowest_rad_s {
+fn amplifier(fit: &Fitted<'_>) -> Option<Finding> {
+    let corner_rad_s = told(fit.joint, AMPLIFIER_CORNER)?;
+    if corner_rad_s <= WORTH_A_WORD * fit.slowest_rad_s {
         return None;
     }
     Some(Finding::new(
@@ -159,8 +163,8 @@ fn no_high_pass(_: &Unaccounted<'_>, free: &mut Certificates) -> Option<()> {
     free.amplifier_corner_rad_s.take().map(|_| ())
 }
 
-fn no_amplifier(_: &JointReport, [stated, _]: [&Knowledge; 2], _: [f64; 2]) -> Option<Finding> {
-    let corner_hz = stated.certificates.amplifier_corner_rad_s?.value / TAU;
+fn no_amplifier(fit: &Fitted<'_>) -> Option<Finding> {
+    let corner_hz = fit.stated.certificates.amplifier_corner_rad_s?.value / TAU;
     Some(Finding::new(
         Cause::HighPassMisstated,
         format!(
@@ -176,11 +180,8 @@ fn delays(_: &Unaccounted<'_>, free: &mut Certificates) -> Option<()> {
 }
 
 /// Channels that are behind the standards or ahead of them. One clock for all nine is the standards' to be late.
-fn late_channels(
-    joint: &JointReport,
-    _: [&Knowledge; 2],
-    [_, fastest_rad_s]: [f64; 2],
-) -> Option<Finding> {
+fn late_channels(fit: &Fitted<'_>) -> Option<Finding> {
+    let joint = fit.joint;
     let mut late: Vec<(usize, f64)> = Vec::new();
     for limb in 0..LIMBS {
         let delay = known(joint, joint.estimate.unknowns.delay(limb)?);
@@ -190,7 +191,7 @@ fn late_channels(
     }
     if !late
         .iter()
-        .any(|(_, delay)| delay.abs() * fastest_rad_s > WORTH_A_WORD)
+        .any(|(_, delay)| delay.abs() * fit.fastest_rad_s > WORTH_A_WORD)
     {
         return None;
     }

@@ -5,11 +5,10 @@ use core::f64::consts::TAU;
 use sixaxis_core::identify::joint::Certificates;
 use sixaxis_core::identify::joint::unknowns::GYROSCOPE_LAG;
 
-use super::{BEYOND_DOUBT, about, known, told};
+use super::{BEYOND_DOUBT, Fitted, about, known, told};
 use crate::diagnosis::timing;
 use crate::finding::{Cause, Finding};
 use crate::joint::hypotheses::Unaccounted;
-use crate::joint::{JointReport, Knowledge};
 use crate::series::median;
 use sixaxis_recordings::session::Role;
 
@@ -30,13 +29,10 @@ pub(super) fn lag(_: &Unaccounted<'_>, free: &mut Certificates) -> Option<()> {
     Some(())
 }
 
-pub(super) fn gyroscope(
-    joint: &JointReport,
-    [stated, _]: [&Knowledge; 2],
-    _: [f64; 2],
-) -> Option<Finding> {
+pub(super) fn gyroscope(fit: &Fitted<'_>) -> Option<Finding> {
+    let joint = fit.joint;
     let found = known(joint, GYROSCOPE_LAG);
-    let Some(stated) = stated.certificates.gyroscope_lag_s else {
+    let Some(stated) = fit.stated.certificates.gyroscope_lag_s else {
         let lag_s = told(joint, GYROSCOPE_LAG)?;
         return Some(Finding::new(
             Cause::GyroscopeLag,
@@ -78,16 +74,12 @@ pub(super) fn no_accelerometer_lag(_: &Unaccounted<'_>, free: &mut Certificates)
     (core::mem::take(&mut free.accelerometer_lag_s) > 0.0).then_some(())
 }
 
-pub(super) fn accelerometer(
-    _: &JointReport,
-    [stated, _]: [&Knowledge; 2],
-    _: [f64; 2],
-) -> Option<Finding> {
+pub(super) fn accelerometer(fit: &Fitted<'_>) -> Option<Finding> {
     Some(Finding::new(
         Cause::ClockMismatch,
         format!(
             "with an accelerometer that follows at once all trials agree to the noise, and with the stated bandwidth of {:.1} Hz they do not",
-            1.0 / (TAU * stated.certificates.accelerometer_lag_s)
+            1.0 / (TAU * fit.stated.certificates.accelerometer_lag_s)
         ),
         "take the accelerometer's bandwidth_hz out of the session, or correct it by its certificate",
     ))
@@ -103,16 +95,12 @@ pub(super) fn accelerometer_lag(day: &Unaccounted<'_>, free: &mut Certificates) 
     (stated == 0.0 && free.accelerometer_lag_s > 0.0).then_some(())
 }
 
-pub(super) fn late_accelerometer(
-    _: &JointReport,
-    [_, taken]: [&Knowledge; 2],
-    _: [f64; 2],
-) -> Option<Finding> {
+pub(super) fn late_accelerometer(fit: &Fitted<'_>) -> Option<Finding> {
     Some(Finding::new(
         Cause::ClockMismatch,
         format!(
             "with an accelerometer that is {}, all trials agree to the noise, and without that they do not",
-            behind(taken.certificates.accelerometer_lag_s)
+            behind(fit.taken.certificates.accelerometer_lag_s)
         ),
         "state the accelerometer's bandwidth_hz as its certificate has it, or see what filters its channel alone",
     ))
@@ -174,41 +162,26 @@ fn late_alone(
     (alone && own_s.abs() > SHORTEST_LAG_S).then_some(own_s)
 }
 
-pub(super) fn delayed_accelerometer(
-    _: &JointReport,
-    [stated, taken]: [&Knowledge; 2],
-    _: [f64; 2],
-) -> Option<Finding> {
-    let Knowledge {
-        undone_delay_s: [stated_s, _],
-        certificates,
-        ..
-    } = stated;
-    let lag_s = Some(certificates.accelerometer_lag_s).filter(|lag| *lag > 0.0);
-    let instead = taken.certificates.accelerometer_lag_s == 0.0;
-    let [found_s, _] = taken.certificates.standard_delay_s;
+pub(super) fn delayed_accelerometer(fit: &Fitted<'_>) -> Option<Finding> {
+    let (stated, taken) = (fit.stated, &fit.taken.certificates);
+    let lag_s = Some(stated.certificates.accelerometer_lag_s).filter(|lag| *lag > 0.0);
+    let instead = taken.accelerometer_lag_s == 0.0;
+    let delays_s = [stated.undone_delay_s[0], taken.standard_delay_s[0]];
     let cause = Cause::ClockMismatch;
-    delayed("accelerometer", cause, [*stated_s, found_s], lag_s, instead)
+    delayed("accelerometer", cause, delays_s, lag_s, instead)
 }
 
-pub(super) fn delayed_gyroscope(
-    joint: &JointReport,
-    [stated, taken]: [&Knowledge; 2],
-    _: [f64; 2],
-) -> Option<Finding> {
-    let Knowledge {
-        undone_delay_s: [_, stated_s],
-        certificates,
-        ..
-    } = stated;
-    let lag_s = certificates.gyroscope_lag_s.map(|lag| lag.value);
-    let instead = taken.certificates.gyroscope_lag_s != certificates.gyroscope_lag_s;
-    let [_, mut found_s] = taken.certificates.standard_delay_s;
+pub(super) fn delayed_gyroscope(fit: &Fitted<'_>) -> Option<Finding> {
+    let (stated, taken) = (fit.stated, &fit.taken.certificates);
+    let stated_lag = stated.certificates.gyroscope_lag_s;
+    let lag_s = stated_lag.map(|lag| lag.value);
+    let instead = taken.gyroscope_lag_s != stated_lag;
+    let mut delays_s = [stated.undone_delay_s[1], taken.standard_delay_s[1]];
     if instead {
-        found_s += known(joint, GYROSCOPE_LAG).value;
+        delays_s[1] += known(fit.joint, GYROSCOPE_LAG).value;
     }
     let cause = Cause::GyroscopeLag;
-    delayed("gyroscope", cause, [*stated_s, found_s], lag_s, instead)
+    delayed("gyroscope", cause, delays_s, lag_s, instead)
 }
 
 /// Said of a standard with a delay that is stated, and one that was found beyond it, beside a stated first-order lag or instead of it. No
