@@ -101,9 +101,12 @@ impl LimbSet {
     }
 }
 
-/// "2", "2 and 4", "2, 4 and 6".
+/// "2", "2 and 4", "2, 4 and 6"; by `{:#}` "limb 2", "limbs 2 and 4".
 impl fmt::Display for LimbSet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if f.alternate() {
+            f.write_str(if self.len() == 1 { "limb " } else { "limbs " })?;
+        }
         let last = self.len().wrapping_sub(1);
         for (place, number) in self.numbers().enumerate() {
             match place {
@@ -130,6 +133,8 @@ mod tests {
         assert_eq!([1, 2, 3].map(|n| LimbSet::of_size(n).count()), [9, 36, 84]);
         let set = LimbSet::from_numbers([9, 2, 4, 2]).expect("limbs");
         assert_eq!(format!("{set}"), "2, 4 and 9");
+        assert_eq!(format!("{set:#}"), "limbs 2, 4 and 9");
+        assert_eq!(format!("{:#}", LimbSet::EMPTY.with(6)), "limb 7");
         assert!(set.contains(1) && !set.contains(0) && !set.contains(77));
         assert!(LimbSet::from_numbers([0]).is_err());
         assert!(LimbSet::from_numbers([10]).is_err());

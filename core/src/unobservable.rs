@@ -93,16 +93,15 @@ impl UnobservableDirections {
 /// "limb 2 against limb 4, limb 3 against limb 7".
 impl fmt::Display for UnobservableDirections {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let limbs = |set: LimbSet| if set.len() == 1 { "limb" } else { "limbs" };
         for (place, (up, down)) in self.pairs().enumerate() {
             if place > 0 {
                 f.write_str(", ")?;
             }
-            write!(f, "{} {up} against ", limbs(up))?;
+            write!(f, "{up:#} against ")?;
             if down.is_empty() {
                 f.write_str("the others")?;
             } else {
-                write!(f, "{} {down}", limbs(down))?;
+                write!(f, "{down:#}")?;
             }
         }
         Ok(())

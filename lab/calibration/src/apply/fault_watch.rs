@@ -241,25 +241,15 @@ impl FaultWatch {
                 } else {
                     ""
                 };
-                let limbs = if watched.excluded.len() == 1 {
-                    "limb"
-                } else {
-                    "limbs"
-                };
                 say(format!(
-                    "decoded without {limbs} {} from {from}{last}",
+                    "decoded without {:#} from {from}{last}",
                     watched.excluded
                 ));
             }
         }
         if verdict && !watched.suspected.is_empty() {
-            let limbs = if watched.suspected.len() == 1 {
-                "limb"
-            } else {
-                "limbs"
-            };
             say(format!(
-                "{limbs} {} may have failed and cannot be excluded; answers are not to be trusted, nor are rate and attitude from there on, which no deviation says",
+                "{:#} may have failed and cannot be excluded; answers are not to be trusted, nor are rate and attitude from there on, which no deviation says",
                 watched.suspected
             ));
         }

@@ -204,8 +204,7 @@ impl Summary {
         let (all, by_itself) = (unknown(said), unknown(own));
         if self.finding == Finding::Nothing && !all.is_empty() {
             let open = format!(
-                "what {} {all} would have changed by, to more than {:.0} %",
-                if all.len() == 1 { "limb" } else { "limbs" },
+                "what {all:#} would have changed by, to more than {:.0} %",
                 1e2 * largest
             );
             self.put_open(open, judged);

@@ -173,8 +173,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     say("note", &setup.notes);
     let excluded = arguments.excluded.unwrap_or(LimbSet::EMPTY);
     if !excluded.is_empty() {
-        let limbs = if excluded.len() == 1 { "limb" } else { "limbs" };
-        tell("note", &format!("without {limbs} {excluded}"));
+        tell("note", &format!("without {excluded:#}"));
     }
     let job = Job {
         calibration: &calibration,
