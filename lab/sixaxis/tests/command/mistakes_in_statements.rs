@@ -4,18 +4,13 @@ use std::fs;
 use std::sync::OnceLock;
 
 use crate::mistakes::{calibrated_in, rewritten_in, with_entry};
-use crate::program::{Folder, run, stderr, text};
+use crate::program::{Folder, done, run, simulated, stderr, text};
 
 /// A day of few samples: each mistake is a whole calibration, and what is wrong takes longer to tell than what is right.
 fn day() -> &'static Folder {
     static DAY: OnceLock<Folder> = OnceLock::new();
     DAY.get_or_init(|| {
-        let folder = Folder::new("statements");
-        let how = [
-            "--engine", "rigid", "--rate", "500", "--trials", "6", "--seed", "5",
-        ];
-        let simulated = run(&[&["simulate", "--out", text(&folder)], &how[..]].concat());
-        assert!(simulated.status.success(), "{simulated:?}");
+        let (folder, _) = simulated("statements", "--rate 500 --trials 6 --seed 5");
         let calibrated = run(&["calibrate", text(&folder.join("session.toml")), "--quiet"]);
         assert!(calibrated.status.success(), "{calibrated:?}");
         folder
@@ -254,19 +249,10 @@ fn neg_statements_that_are_not_so_are_named() {
 #[test]
 fn neg_without_a_static_record_no_trial_is_accused() {
     let [folder, plans] = ["no-static", "no-static-plan"].map(Folder::new);
-    let plan = plans.join("plan.toml");
-    fs::write(&plan, "[chain]\nstiffness_spread = 0.02\n").expect("written");
+    let plan = plans.write("plan.toml", "[chain]\nstiffness_spread = 0.02\n");
     let how = ["--rate", "500", "--trials", "6", "--seed", "3"];
-    let where_to = [
-        "--engine",
-        "rigid",
-        "--plan",
-        text(&plan),
-        "--out",
-        text(&folder),
-    ];
-    let simulated = run(&[&["simulate"], &where_to[..], &how[..]].concat());
-    assert!(simulated.status.success(), "{simulated:?}");
+    let first = ["simulate", "--engine", "rigid", "--plan", &plan];
+    done(&[&first[..], &how, &["--out", text(&folder)]].concat());
     let (code, said) = calibrated_in(&folder, "no-static", |s| without_role(s, "static"));
     assert_eq!(code, 1, "{said}");
     assert!(said.contains("the session has no static record"), "{said}");

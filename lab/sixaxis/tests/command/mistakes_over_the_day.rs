@@ -6,7 +6,7 @@ use std::fs;
 use std::process::Output;
 
 use crate::mistakes::{calibrated, calibrated_in, rewritten, rewritten_in, with_entry};
-use crate::program::{Folder, code, fed, run, stderr, stdout, text};
+use crate::program::{Folder, code, fed, gains, run, simulated, stderr, stdout, text};
 use crate::self_calibrate::day;
 use sixaxis_core::LIMBS;
 
@@ -175,26 +175,8 @@ fn neg_a_standard_that_is_off_in_trials_of_one_kind_is_told_by_the_rig() {
 
 #[test]
 fn inv_a_tumble_that_begins_gently_begins_at_rest() {
-    let folder = Folder::new("gentle");
-    let simulated = run(&[
-        "simulate",
-        "--out",
-        text(&folder),
-        "--engine",
-        "rigid",
-        "--seed",
-        "31",
-        "--tumble",
-        "5",
-        "--trials",
-        "3",
-    ]);
-    let said = stdout(&simulated);
-    let gains = said
-        .split("--gain ")
-        .nth(1)
-        .and_then(|s| s.split_whitespace().next());
-    let gains = gains.expect("says how to go on");
+    let (folder, said) = simulated("gentle", "--seed 31 --tumble 5 --trials 3");
+    let gains = gains(&said);
     let session = folder.file("session.toml");
     let output = run(&["calibrate", &session, "--quiet"]);
     assert!(matches!(code(&output), 0 | 3), "{}", stderr(&output));
@@ -208,7 +190,7 @@ fn inv_a_tumble_that_begins_gently_begins_at_rest() {
         &calibration,
         &tumble,
         "--gain",
-        gains,
+        &gains,
         "--down",
         "0,0,-1",
         "--out",
@@ -231,7 +213,7 @@ fn inv_a_tumble_that_begins_gently_begins_at_rest() {
         "--rate",
         "10000",
         "--gain",
-        gains,
+        &gains,
     ];
     let stream = [&stream[..], &["--down", "0,0,-1"]].concat();
     let output = fed(&stream, &rows.concat());
@@ -398,19 +380,7 @@ fn neg_trials_of_the_other_kind_are_told_by_their_standards() {
 #[test]
 fn neg_a_clipped_gyroscope_accuses_no_other_recording() {
     // A sensor whose compound runs depart by a quarter from what its one whole angular trial makes one expect.
-    let folder = Folder::new("clipped-gyroscope");
-    let simulated = run(&[
-        "simulate",
-        "--out",
-        text(&folder),
-        "--engine",
-        "rigid",
-        "--sensor",
-        "random",
-        "--seed",
-        "88005",
-    ]);
-    assert_eq!(code(&simulated), 0, "{}", stderr(&simulated));
+    let (folder, _) = simulated("clipped-gyroscope", "--sensor random --seed 88005");
     let angular: Vec<String> = (2..=10).map(|k| format!("angular-{k:02}.csv")).collect();
     for file in &angular {
         rewritten_in(&folder, file, &format!("clipped-{file}"), |row| {
@@ -702,19 +672,7 @@ fn neg_a_drive_that_never_started_is_told() {
 
 #[test]
 fn neg_a_standard_that_is_off_in_few_trials_is_told_by_rig_and_limbs() {
-    let folder = Folder::new("few-trials");
-    let simulated = run(&[
-        "simulate",
-        "--out",
-        text(&folder),
-        "--engine",
-        "rigid",
-        "--seed",
-        "734512",
-        "--trials",
-        "6",
-    ]);
-    assert_eq!(code(&simulated), 0, "{}", stderr(&simulated));
+    let (folder, _) = simulated("few-trials", "--seed 734512 --trials 6");
     let fast: Vec<String> = (1..=6).map(|k| format!("fast-{k:02}.csv")).collect();
     for file in &fast {
         rewritten_in(&folder, file, &format!("off-{file}"), |row| {

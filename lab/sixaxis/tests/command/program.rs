@@ -33,6 +33,21 @@ pub fn done(arguments: &[&str]) -> Output {
     output
 }
 
+/// A day that the rigid engine simulates with these options, in a folder of its own, and what the command says of it.
+pub fn simulated(name: &str, options: &str) -> (Folder, String) {
+    let folder = Folder::new(name);
+    let mut arguments = vec!["simulate", "--engine", "rigid", "--out", text(&folder)];
+    arguments.extend(options.split_whitespace());
+    let said = stdout(&done(&arguments));
+    (folder, said)
+}
+
+/// The gains of a simulated tumble, from what the command says of the day.
+pub fn gains(said: &str) -> String {
+    let gains = said.split("--gain ").nth(1).expect("says how to go on");
+    gains.split_whitespace().next().expect("gains").to_owned()
+}
+
 /// Runs with a text on standard input.
 pub fn fed(arguments: &[&str], input: &str) -> Output {
     let mut child = sixaxis()

@@ -16,39 +16,20 @@ use sixaxis_reference::motion::TrueMotion;
 use sixaxis_reference::sensor::TrueSensor;
 
 use crate::mistakes::rewritten;
-use crate::program::{Folder, run, stderr, stdout, text};
+use crate::program::{Folder, gains, run, simulated, stderr, stdout, text};
 
 /// A day in the laboratory and a tumble after it, limb 4 off by 0.3 %: the folder, and the gains of the tumble.
 pub fn day() -> &'static (Folder, String) {
     static DAY: OnceLock<(Folder, String)> = OnceLock::new();
     DAY.get_or_init(|| {
-        let folder = Folder::new("self-calibrate");
-        let simulated = run(&[
-            "simulate",
-            "--out",
-            text(&folder),
-            "--engine",
-            "rigid",
-            "--seed",
-            "5",
-            "--tumble",
-            "20",
-            "--drift-limb",
-            "4=0.3%",
-        ]);
-        assert!(simulated.status.success(), "{simulated:?}");
-        let said = stdout(&simulated);
-        let gains = said
-            .lines()
-            .find_map(|line| line.strip_prefix("then: ")?.split("--gain ").nth(1))
-            .expect("says how to go on")
-            .to_owned();
+        let options = "--seed 5 --tumble 20 --drift-limb 4=0.3%";
+        let (folder, said) = simulated("self-calibrate", options);
         let calibrated = run(&["calibrate", text(&folder.join("session.toml")), "--quiet"]);
         assert!(
             matches!(calibrated.status.code(), Some(0 | 3)),
             "{calibrated:?}"
         );
-        (folder, gains)
+        (folder, gains(&said))
     })
 }
 
@@ -137,9 +118,9 @@ fn play(
     let plan = folder.write(&format!("{name}.toml"), plan);
     let out = folder.file(name);
     let arguments = ["--plan", &plan, "--out", &out, "--tumble", tumble_s];
-    let said = stdout(&run(&[&["simulate"], &arguments[..], drift].concat()));
-    let gains = said.split("--gain ").nth(1).expect("says how to go on");
-    gains.split_whitespace().next().expect("gains").to_owned()
+    gains(&stdout(&run(
+        &[&["simulate"], &arguments[..], drift].concat()
+    )))
 }
 
 /// The calibration of such a day checked with a tumble: what is said.

@@ -7,7 +7,7 @@ use sixaxis_calibration::calibration::Calibration;
 use sixaxis_calibration::report::Grade;
 use sixaxis_recordings::{Block, Channel, Layout, create, open};
 
-use crate::program::{Folder, done, run, stderr, text};
+use crate::program::{Folder, run, simulated, stderr, text};
 
 /// Names of the limbs in a simulated session.
 pub const LIMBS: [&str; 9] = ["u1", "u2", "u3", "u4", "u5", "u6", "u7", "u8", "u9"];
@@ -18,9 +18,7 @@ pub const ACCELERATIONS: [&str; 6] = ["ax", "ay", "az", "alpha_x", "alpha_y", "a
 pub fn session() -> &'static Path {
     static SESSION: OnceLock<Folder> = OnceLock::new();
     SESSION.get_or_init(|| {
-        let folder = Folder::new("decouple-session");
-        let how = ["--engine", "rigid", "--seed", "3"];
-        done(&[&["simulate", "--out", text(&folder)], &how[..]].concat());
+        let (folder, _) = simulated("decouple-session", "--seed 3");
         let path = folder.join("calibration.json");
         let toml = folder.join("session.toml");
         let calibrated = run(&["calibrate", text(&toml), "--out", text(&path)]);
