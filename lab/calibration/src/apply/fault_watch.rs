@@ -132,7 +132,7 @@ impl FaultWatch {
         if !beyond.is_empty() && !self.driven_beyond {
             self.driven_beyond = true;
             self.messages.push(format!(
-                "sample {}: the sensor is driven beyond the converter's range (limbs {beyond}): such rows are marked in suspected_limbs, and rate and attitude from there on are not to be trusted, which no deviation says",
+                "sample {}: the sensor is driven beyond the converter's range ({beyond:#}): such rows are marked in suspected_limbs, and rate and attitude from there on are not to be trusted, which no deviation says",
                 self.samples
             ));
         }
