@@ -204,9 +204,11 @@ fn check<S: Studied>(
     for sample in samples {
         let last = sample.first + sample.count - 1;
         let seeds = format!("seeds {} to {last} once more", sample.first);
-        if digest(&study(sample.first, sample.count)?)? != sample.digest {
+        let now = digest(&study(sample.first, sample.count)?)?;
+        if now != sample.digest {
             return Err(format!(
-                "{from}; {seeds}: OTHER BITS. Publish it again: {}",
+                "{from}; {seeds}: OTHER BITS ({now}, then {}). Publish it again: {}",
+                sample.digest,
                 S::MAKE
             ));
         }
