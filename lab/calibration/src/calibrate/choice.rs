@@ -125,7 +125,7 @@ impl Chosen {
         if self.fell_back {
             let joint = self.estimate.joint.as_ref().map_err(String::as_str);
             reservations.push(format!(
-                "{}: the four steps' parameters are used, and their intervals, which are of the spread among trials, do not contain it",
+                "{}: the four steps' parameters are used, and their intervals, which are of the spread among trials, do not contain it, nor do deviations of what is decoupled: open loop that may be tens of percent off",
                 hypotheses::contradiction(joint)
             ));
         }
