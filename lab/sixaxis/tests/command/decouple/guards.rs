@@ -1,5 +1,7 @@
 //! What a session says is honoured or refused, and another sensor's session is no session.
 
+use std::path::Path;
+
 use sixaxis_calibration::calibration::Calibration;
 
 use super::session::{
@@ -264,6 +266,25 @@ fn inv_a_recording_that_was_cut_short_is_told() {
     let said = stderr(&done(&["compare", &cut, &whole, "--out", &page]));
     let words = format!("warning: {cut}: its last line breaks off");
     assert!(said.contains(&words), "{said}");
+}
+
+#[test]
+fn inv_a_high_pass_that_is_undone_is_told() {
+    let folder = Folder::new("decouple-guards-high-pass");
+    let (with, out) = (folder.join("high-pass.json"), folder.file("out.csv"));
+    let mut known = Calibration::read(Path::new(&calibration())).expect("a calibration");
+    known.sensor.amplifier_high_pass_hz = Some(0.1);
+    known.write(&with).expect("writes");
+    let said = |calibration: &str| {
+        let recording = compound();
+        let arguments = ["decouple", calibration, text(&recording), "--gain", "0.1"];
+        stderr(&done(&[&arguments[..], &["--out", &out]].concat()))
+    };
+    // The root of 16 over the corner in rad/s.
+    let words = "high-pass of 0.1 Hz is undone from 16 samples at rest, whose noise becomes a ramp: as large as a channel's noise after 6 s";
+    let undone = said(text(&with));
+    assert!(undone.contains(words), "{undone}");
+    assert!(!said(&calibration()).contains("high-pass"));
 }
 
 #[test]
