@@ -13,13 +13,15 @@
 //! A limb is a slender, uniform rod whose points move as a straight line between its ends does. Its inertia and weight reach
 //! the mass by the shape functions of such a rod: a third of its mass moves with its end on the mass, a sixth of it is felt there
 //! with the acceleration of its end on the shell. What a piezo senses is the mean force along the rod, and that is the stiffness times the
-//! elongation, as without mass. What is left out are vibrations of the rod itself, far above the sensor's.
+//! elongation, as without mass. An element at the shell's end shows besides what accelerates half of the rod along itself
+//! ([`shown_of_rods_m_s2`]). What is left out are vibrations of the rod itself, far above the sensor's.
 
 use glam::{DQuat, DVec3};
 use nalgebra::{Matrix3x6, Matrix6, SMatrix, SVector, Vector6};
 use serde::Serialize;
 
 use crate::geometry::{Geometry, LIMBS};
+use crate::motion::TrueMotion;
 
 /// Shares of a rod's mass that its end on the mass carries: with its own acceleration, and with that of the other end.
 pub const NEAR_SHARE: f64 = 1.0 / 3.0;
@@ -37,6 +39,24 @@ pub struct Limbs {
     pub lateral_damping: f64,
     /// Mass of one limb over the seismic mass.
     pub mass: f64,
+}
+
+/// What each limb's element at the shell shows of half its rod, `rod_mass` over the seismic mass: the force over that mass, m/s^2, which
+/// accelerates it along the rod with the shell.
+#[must_use]
+pub fn shown_of_rods_m_s2(
+    geometry: &Geometry,
+    rod_mass: f64,
+    motion: &TrueMotion,
+    gravity_ground_m_s2: DVec3,
+) -> [f64; LIMBS] {
+    let (near, far) = (geometry.mass_hinges_m(), geometry.shell_hinges_m());
+    let directions = Geometry::directions_shell();
+    let centre = motion.specific_force_shell_m_s2(gravity_ground_m_s2);
+    core::array::from_fn(|limb| {
+        let middle_m = 0.5 * (near[limb] + far[limb]);
+        rod_mass * directions[limb].dot(centre + motion.carried_m_s2(middle_m))
+    })
 }
 
 impl Default for Limbs {

@@ -164,6 +164,7 @@ fn limbs(plan: &SessionPlan) -> Result<(), SessionError> {
             -LARGEST_OFF_CENTRE_MM..=LARGEST_OFF_CENTRE_MM,
         )?;
     }
+    within("rod_mass", plan.rod_mass, 0.0..=LARGEST_OF_LIMBS)?;
     for (key, value) in [
         ("limbs.lateral_stiffness", plan.limbs.lateral_stiffness),
         ("limbs.lateral_damping", plan.limbs.lateral_damping),

@@ -25,6 +25,8 @@ pub struct SessionPlan {
     pub sensor: SensorChoice,
     /// From the cube's centre to that of its mass, sensor axes, mm.
     pub mass_centre_mm: [f64; 3],
+    /// Half a limb's mass over the seismic mass, where its element is at the shell and shows what accelerates it, too.
+    pub rod_mass: f64,
     /// The engine that simulates the trials.
     pub engine: Engine,
     /// Trials for each of steps 2 to 4.
@@ -53,6 +55,7 @@ impl Default for SessionPlan {
             seed: 1,
             sensor: SensorChoice::Paper,
             mass_centre_mm: [0.0; 3],
+            rod_mass: 0.0,
             engine: Engine::Mujoco,
             trials_per_step: 10,
             sample_rate_hz: 2000.0,

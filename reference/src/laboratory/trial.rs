@@ -10,7 +10,7 @@ use super::mount::{MOUNTS, Mount};
 use super::plan::{Engine, SessionPlan};
 use super::recording::SimulatedRecording;
 use super::schedule::PlannedTrial;
-use crate::limbs::Limbs;
+use crate::limbs::{Limbs, shown_of_rods_m_s2};
 use crate::motion::SimulatedRun;
 use crate::paper::GRAVITY_M_S2;
 use crate::rig::run::{Mounting, Run};
@@ -109,6 +109,28 @@ impl SessionPlan {
     /// # Errors
     /// [`SessionError`]: limbs that do not hold the mass, MuJoCo's own errors, a build without MuJoCo.
     pub fn simulate(
+        &self,
+        run: &Run,
+        sensor: &TrueSensor,
+        gravity_ground_m_s2: DVec3,
+    ) -> Result<SimulatedRun, SessionError> {
+        let mut played = self.play(run, sensor, gravity_ground_m_s2)?;
+        if self.rod_mass > 0.0 {
+            let forces = played.limb_force_per_mass_m_s2.iter_mut();
+            for (forces, motion) in forces.zip(&played.truth) {
+                let geometry = &sensor.geometry;
+                let of_rods =
+                    shown_of_rods_m_s2(geometry, self.rod_mass, motion, gravity_ground_m_s2);
+                forces
+                    .iter_mut()
+                    .zip(of_rods)
+                    .for_each(|(f, own)| *f += own);
+            }
+        }
+        Ok(played)
+    }
+
+    fn play(
         &self,
         run: &Run,
         sensor: &TrueSensor,
