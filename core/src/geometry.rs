@@ -88,6 +88,15 @@ impl Geometry {
         core::array::from_fn(|limb| mass[limb] - DIRECTIONS_SHELL[limb] * self.limb_length_m)
     }
 
+    /// Middle t_i - (L/2) e_i of each limb at rest, m.
+    #[must_use]
+    pub fn limb_middles_m(&self) -> [DVec3; LIMBS] {
+        let mass = self.mass_hinges_m();
+        core::array::from_fn(|limb| {
+            mass[limb] - DIRECTIONS_SHELL[limb] * (0.5 * self.limb_length_m)
+        })
+    }
+
     /// t_i x e_i of each limb at rest, m: the torque about the mass's centre of a unit force in it.
     #[must_use]
     pub fn arms_m(&self) -> [DVec3; LIMBS] {

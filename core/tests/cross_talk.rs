@@ -56,7 +56,8 @@ fn what_a_failed_channel_shows_reaches_no_other() {
     let (parameters, settings) = (parameters(), Settings::new(1e4));
     let shares =
         core::array::from_fn(|i| core::array::from_fn(|j| 2e-3 * ((i + 4 * j) as f64).cos()));
-    let cross_talk = CrossTalk::new(&SENSOR, &parameters, &shares, [0.0; 3]).expect("small shares");
+    let cross_talk =
+        CrossTalk::new(&SENSOR, &parameters, &shares, [0.0; 3], 0.0).expect("small shares");
     let unreadable = answers(cross_talk, f64::NAN);
     let mut plain = Decoupler::new(&SENSOR, &parameters, &settings).expect("a sound sensor");
     for (sample, answer) in unreadable.iter().enumerate().take(FAILED_FROM) {

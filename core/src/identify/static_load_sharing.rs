@@ -5,12 +5,12 @@
 //! -(1/(k/m)) P M G W'' to the forces, M = diag(1, I/m). A limb j that is stiffer by a share changes the forces by that share of
 //! (e_j - P J_j^T) (J_j G W): it takes over what the others lose, and no wrench comes of it.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use nalgebra::{Matrix6, SMatrix};
 
 use crate::columns::{halves, stacked};
 use crate::error::{Error, Result};
-use crate::geometry::{Geometry, LIMBS};
+use crate::geometry::{DIRECTIONS_SHELL, Geometry, LIMBS};
 
 /// How the nine limbs share a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +21,8 @@ pub struct StaticLoadSharing {
     matrix: SMatrix<f64, LIMBS, 6>,
     /// G.
     flexibility: Matrix6<f64>,
+    /// The limbs' middles from the cube's centre, m.
+    middles_m: [DVec3; LIMBS],
 }
 
 impl StaticLoadSharing {
@@ -30,7 +32,8 @@ impl StaticLoadSharing {
     /// [`Error::OutOfRange`] for lengths that mean nothing.
     pub fn new(geometry: &Geometry) -> Result<Self> {
         geometry.validate()?;
-        Self::of(geometry.limb_jacobian(), &[1.0; LIMBS]).ok_or(Error::out_of_range(
+        let middles_m = geometry.limb_middles_m();
+        Self::of(geometry.limb_jacobian(), middles_m, &[1.0; LIMBS]).ok_or(Error::out_of_range(
             "half_edge_m",
             geometry.half_edge_m,
             "of a size at which nine limbs hold the mass",
@@ -40,16 +43,21 @@ impl StaticLoadSharing {
     /// The same limbs with stiffnesses k_i/k; none if these do not hold the mass.
     #[must_use]
     pub fn with_stiffness(&self, ratio: &[f64; LIMBS]) -> Option<Self> {
-        Self::of(self.jacobian, ratio)
+        Self::of(self.jacobian, self.middles_m, ratio)
     }
 
-    fn of(jacobian: SMatrix<f64, LIMBS, 6>, ratio: &[f64; LIMBS]) -> Option<Self> {
+    fn of(
+        jacobian: SMatrix<f64, LIMBS, 6>,
+        middles_m: [DVec3; LIMBS],
+        ratio: &[f64; LIMBS],
+    ) -> Option<Self> {
         let weighted = SMatrix::<f64, LIMBS, 6>::from_fn(|i, j| ratio[i] * jacobian[(i, j)]);
         let flexibility = (jacobian.transpose() * weighted).try_inverse()?;
         Some(Self {
             jacobian,
             matrix: weighted * flexibility,
             flexibility,
+            middles_m,
         })
     }
 
@@ -97,5 +105,15 @@ impl StaticLoadSharing {
     #[must_use]
     pub fn of_wrench(&self, force: DVec3, torque: DVec3) -> [f64; LIMBS] {
         (self.matrix * stacked(force, torque)).into()
+    }
+
+    /// What the specific force in each limb's middle has along the limb, m/s^2: `force` at the cube's centre, m/s^2, and from there on
+    /// `gradient` more a metre, 1/s^2.
+    #[must_use]
+    pub fn along_limbs(&self, force: DVec3, gradient: DMat3) -> [f64; LIMBS] {
+        core::array::from_fn(|limb| {
+            let there = force + gradient * self.middles_m[limb];
+            DIRECTIONS_SHELL[limb].dot(there)
+        })
     }
 }

@@ -12,6 +12,7 @@
 //! | [`nuisances`] | what the instruments and wedges turned out to be |
 //! | [`parameter_reports`] | the 25 in the form that the four steps report them in |
 //! | `report` | what the fit comes to, with intervals and covariances |
+//! | `rod_mass` | limbs that have mass |
 //! | `sensitivities` | what the fit says of the channels' sensitivities |
 
 pub mod account;
@@ -23,6 +24,7 @@ pub mod misfit;
 pub mod nuisances;
 pub mod parameter_reports;
 mod report;
+mod rod_mass;
 mod sensitivities;
 
 pub use knowledge::{Knowledge, WEDGE_DEG};
@@ -30,6 +32,7 @@ pub use report::JointReport;
 
 use rayon::prelude::*;
 use sixaxis_core::decouple::rest_to_rest;
+use sixaxis_core::identify::joint::estimate::JointEstimate;
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::{AtRest, Drive, Joint, Record};
 use sixaxis_core::identify::zero_drift::ZeroDrift;
@@ -104,12 +107,18 @@ pub fn fit(
     let fitted = |knowledge: &Knowledge| {
         fit_trials(&campaign.geometry, &trials, &rest, &start, knowledge, loss)
     };
-    fitted(knowledge).or_else(|refusal| {
-        // Far off the middle, a mass looks like more cross-talk than a fit finds its way through.
-        let free = fitted(&knowledge.with_free_mass()).ok();
-        let free = free.filter(JointReport::accounts);
-        free.ok_or(refusal)
-    })
+    let held = fitted(knowledge);
+    if held.as_ref().is_ok_and(JointReport::accounts) {
+        return held;
+    }
+    // Limbs with mass, and a mass far off the middle, look like more cross-talk than a fit finds its way through.
+    let accounting = |free: Knowledge| fitted(&free).ok().filter(JointReport::accounts);
+    let free = match accounting(knowledge.with_heavy_limbs()) {
+        Some(heavy) if rod_mass::is_told(&heavy.estimate) => Some(heavy),
+        Some(_) if held.is_err() => accounting(knowledge.with_free_mass()),
+        _ => None,
+    };
+    free.map_or(held, Ok)
 }
 
 /// Where a fit starts: from the four steps' answer, with the design's k/m where theirs is none.
@@ -174,6 +183,19 @@ pub(crate) fn fit_trials(
         let free = fitted(&joint).ok();
         if let Some(free) = free.filter(|free| mass_centre::is_it(&estimate, free)) {
             estimate = free;
+        }
+    }
+    if knowledge.certificates.room.rod_mass == 0.0 && rod_mass::may_be(&estimate) {
+        joint
+            .free_mass_centre(mass_centre::DEVIATION_M)
+            .and_then(|()| joint.free_rod_mass(rod_mass::DEVIATION))
+            .map_err(refuse)?;
+        let heavy = fitted(&joint).ok();
+        let is_it = |heavy: &JointEstimate| {
+            mass_centre::is_it(&estimate, heavy) && rod_mass::is_told(heavy)
+        };
+        if let Some(heavy) = heavy.filter(is_it) {
+            estimate = heavy;
         }
     }
     let recordings = records.iter().map(|(name, _)| (*name).to_owned()).collect();

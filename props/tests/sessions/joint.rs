@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use sixaxis_calibration::joint::{Knowledge, at_rest, record};
 use sixaxis_core::identify::joint::robust::USUAL_LIMIT;
 use sixaxis_core::identify::joint::room::Room;
-use sixaxis_core::identify::joint::unknowns::Wedges;
+use sixaxis_core::identify::joint::unknowns::{ROD_MASS, Wedges};
 use sixaxis_core::identify::joint::{AtRest, Certificates, Drive, Joint, Record};
 use sixaxis_core::parameter::PARAMETERS;
 use sixaxis_core::significance::NORMAL_95;
@@ -35,6 +35,8 @@ const NOISY_DB: f64 = 34.0;
 
 /// Random stream of where masses are.
 const OFF_CENTRE: u128 = 91;
+/// Random stream of how heavy limbs are.
+const ROD_MASSES: u128 = 92;
 
 fn fitted(plan: &SessionPlan) -> Fitted {
     Fitted::of(plan).unwrap_or_else(|cause| panic!("seed {}: {cause}", plan.seed))
@@ -95,6 +97,43 @@ fn law_a_mass_off_the_middle_is_found() {
     within(what, errors(held), limit);
     let on_the_axis = errors(free(Room::NONE));
     fails_clearly("the mass's centre on the axis", on_the_axis, limit);
+}
+
+/// Of limbs with mass everything is found as of limbs without, upright and with a level axis, and how heavy they are.
+#[test]
+fn law_limbs_with_mass_are_found() {
+    const HALF_A_LIMB: f64 = 3e-3;
+    let limit = tolerance::JOINT_NOISE_FREE;
+    let held = Room {
+        centre_m: Room::ORDINARY.centre_m,
+        ..Room::NONE
+    };
+    let free = Room {
+        rod_mass: 4e-3,
+        ..held
+    };
+    for plan in [noise_free(seed()), level(noise_free(seed()))] {
+        let plan = SessionPlan {
+            rod_mass: HALF_A_LIMB,
+            ..plan
+        };
+        let errors = |room: Room| {
+            let case = Fitted::in_room(&plan, room).expect("a fit");
+            let estimate = &case.joint.estimate;
+            // As the accelerometer's gain truly is, as all others.
+            let gain =
+                case.instruments.accelerometer_gain_error - estimate.accelerometer_gain_held();
+            let found = estimate.unknowns.values[ROD_MASS]
+                + estimate.by_accelerometer_gain[ROD_MASS] * gain;
+            largest(case.relative()).max((found - HALF_A_LIMB).abs())
+        };
+        let what = "joint fit of limbs with mass, without noise";
+        within(what, errors(free), limit);
+        // No fit of limbs without mass goes through, and one is made of such that have it.
+        within(what, errors(held), limit);
+    }
+    let light = Fitted::in_room(&level(noise_free(seed())), held).expect("a fit");
+    assert_eq!(light.joint.nuisances().room.rod_mass, None);
 }
 
 #[test]
@@ -236,6 +275,52 @@ fn stat_masses_off_the_middle_are_noticed() {
     assert_eq!(noticed, CASES as usize);
     assert!(STATED.contains(&share), "{share}");
     assert!(widest < 2.0, "{widest}");
+}
+
+/// Limbs with mass are noticed by themselves in an ordinary room, upright and with a level axis: intervals hold as without, and limbs without
+/// mass are left at that.
+#[test]
+fn stat_limbs_with_mass_are_noticed() {
+    const CASES: u64 = 12;
+    let first = seed();
+    for mounting in [Mounting::AxisVertical, Mounting::AxisLevel] {
+        let cases: Vec<[Fitted; 2]> = (first..first + CASES)
+            .into_par_iter()
+            .map(|seed| {
+                let mut rng = Pcg64::new(u128::from(seed), ROD_MASSES);
+                let mut light = rooms::Room::Usual.holding(small(seed));
+                light.rig.mounting = mounting;
+                let heavy = SessionPlan {
+                    rod_mass: 10.0_f64.powf(rng.random_range(-3.5..-2.0)),
+                    ..light.clone()
+                };
+                [light, heavy].map(|plan| {
+                    Fitted::in_room(&plan, Room::ORDINARY)
+                        .unwrap_or_else(|cause| panic!("seed {seed}: {cause}"))
+                })
+            })
+            .collect();
+        let z = cases.iter().flat_map(|[_, heavy]| heavy.over_stated());
+        let within = z.filter(|z| z.abs() < NORMAL_95).count();
+        let share = within as f64 / (CASES as usize * (PARAMETERS - 1)) as f64;
+        let wider = |[light, heavy]: &[Fitted; 2]| {
+            let deviation =
+                |case: &Fitted| case.joint.estimate.deviations()[LIMBS..2 * LIMBS].to_vec();
+            let pairs = deviation(light).into_iter().zip(deviation(heavy));
+            largest(pairs.map(|(light, heavy)| heavy / light))
+        };
+        let widest = largest(cases.iter().map(wider));
+        let noticed = |[light, heavy]: &&[Fitted; 2]| {
+            let rods = |case: &Fitted| case.joint.nuisances().room.rod_mass;
+            rods(light).is_none() && rods(heavy).is_some() && heavy.joint.accounts()
+        };
+        let noticed = cases.iter().filter(noticed).count();
+        eprintln!(
+            "{mounting:?}: {noticed} of {CASES} noticed, {share:.3} within 95 % intervals, deviations of scale factors {widest:.2} times those without"
+        );
+        assert_eq!(noticed, CASES as usize);
+        assert!(STATED.contains(&share), "{share}");
+    }
 }
 
 /// What limbs and channels are off by leaves the coordination equations as the stated covariance says, before the day and after it, in

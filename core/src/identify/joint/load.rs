@@ -14,39 +14,100 @@
 //!
 //! Limbs end on the cube: about its centre, from which the mass's is c, a force F has the torque c x F besides. I/m is about the mass's
 //! own. The limbs share it ([`StaticLoadSharing`]), and channels show each other's shares ([`Unknowns::shown`]).
+//!
+//! A limb with mass shows, beside its share, what accelerates half of itself: mu e_i . (F + G (p_i - c)), mu being half its mass over the
+//! seismic one, p_i its middle and G what the specific force has more of a metre from the mass's centre, \[n\]x of w' and \[n\]x^2 of w^2.
+//! What the mass's motion in the shell adds to that is left out: mu of 1e-5.
 
 use alloc::vec;
 use alloc::vec::Vec;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::own::{Kind, plumb};
 use super::trial::{Drive, Trial};
 use super::unknowns::{
-    COMPLIANCE, INERTIA, MASS_CENTRE, OTHERS, STIFFNESS, Unknowns, inertia_entry,
+    COMPLIANCE, INERTIA, MASS_CENTRE, OTHERS, ROD_MASS, STIFFNESS, Unknowns, inertia_entry,
 };
+use crate::columns::cross;
 use crate::geometry::LIMBS;
 use crate::identify::static_load_sharing::StaticLoadSharing;
 
 /// Force and torque over the mass, per unit of a series.
 type Wrench = [DVec3; 2];
 
-/// A series' wrench and its derivatives by unknowns, common or, behind them, own.
-struct Load {
+/// What is asked of the limbs, per unit of a series.
+#[derive(Clone, Copy)]
+struct Asked {
     wrench: Wrench,
-    slopes: Vec<(usize, Wrench)>,
+    /// Specific force that limbs themselves are accelerated with: at the centre that the wrench is about, and what it has more of a
+    /// metre from there.
+    field: (DVec3, DMat3),
+}
+
+impl Asked {
+    /// Of a mass that moves against its limbs.
+    fn of_mass(wrench: Wrench) -> Self {
+        let field = (DVec3::ZERO, DMat3::ZERO);
+        Self { wrench, field }
+    }
+
+    /// Of all that moves with the shell.
+    fn of_all([force, torque]: Wrench, gradient: DMat3) -> Self {
+        Self {
+            wrench: [force, torque],
+            field: (force, gradient),
+        }
+    }
+
+    fn of_force(force: DVec3) -> Self {
+        Self::of_all([force, DVec3::ZERO], DMat3::ZERO)
+    }
+
+    fn of_torque(torque: DVec3) -> Self {
+        Self::of_mass([DVec3::ZERO, torque])
+    }
+
+    fn about_the_cubes_centre(self, c: DVec3) -> Self {
+        let [force, torque] = self.wrench;
+        let (there, gradient) = self.field;
+        Self {
+            wrench: [force, torque + c.cross(force)],
+            field: (there - gradient * c, gradient),
+        }
+    }
+
+    /// Forces that the limbs show.
+    fn shown_by(self, sharing: &StaticLoadSharing, rod_mass: f64) -> [f64; LIMBS] {
+        let [force, torque] = self.wrench;
+        let (shared, own) = (sharing.of_wrench(force, torque), self.of_rods(sharing));
+        core::array::from_fn(|limb| shared[limb] + rod_mass * own[limb])
+    }
+
+    /// What a limb of half the seismic mass twice would show of its own.
+    fn of_rods(self, sharing: &StaticLoadSharing) -> [f64; LIMBS] {
+        sharing.along_limbs(self.field.0, self.field.1)
+    }
+}
+
+/// What is asked for a series and its derivatives by unknowns, common or, behind them, own.
+struct Load {
+    asked: Asked,
+    slopes: Vec<(usize, Asked)>,
 }
 
 impl Load {
-    /// The same with the torque about the cube's centre, from which the mass's is c.
+    /// The same about the cube's centre, from which the mass's is c.
     fn about_the_cubes_centre(mut self, c: DVec3) -> Self {
-        let [force, _] = self.wrench;
-        let about = |[force, torque]: Wrench| [force, torque + c.cross(force)];
-        self.wrench = about(self.wrench);
+        let ([force, _], (_, gradient)) = (self.asked.wrench, self.asked.field);
+        self.asked = self.asked.about_the_cubes_centre(c);
         for (_, slope) in &mut self.slopes {
-            *slope = about(*slope);
+            *slope = slope.about_the_cubes_centre(c);
         }
-        let by_centre = DVec3::AXES.map(|axis| [DVec3::ZERO, axis.cross(force)]);
+        let by_centre = DVec3::AXES.map(|axis| Asked {
+            wrench: [DVec3::ZERO, axis.cross(force)],
+            field: (-(gradient * axis), DMat3::ZERO),
+        });
         self.slopes.extend((MASS_CENTRE..).zip(by_centre));
         self
     }
@@ -84,27 +145,22 @@ impl Trial {
             Drive::Linear => self.linear_loads(unknowns, &sharing),
             Drive::Angular => self.angular_loads(unknowns),
         };
-        let centre = unknowns.mass_centre_m();
+        let (centre, rod_mass) = (unknowns.mass_centre_m(), unknowns.values[ROD_MASS]);
         let of = |load: Load| {
-            let load = load.about_the_cubes_centre(centre);
-            let [force, torque] = load.wrench;
-            let forces = sharing.of_wrench(force, torque);
-            let mut slopes: Vec<(usize, [f64; LIMBS])> = load
-                .slopes
-                .iter()
-                .map(|(unknown, [force, torque])| {
-                    (
-                        *unknown,
-                        unknowns.shown(&sharing.of_wrench(*force, *torque)),
-                    )
-                })
+            let Load { asked, slopes } = load.about_the_cubes_centre(centre);
+            let [force, torque] = asked.wrench;
+            let forces = asked.shown_by(&sharing, rod_mass);
+            let shown = |by: &[f64; LIMBS]| unknowns.shown(by);
+            let mut slopes: Vec<(usize, [f64; LIMBS])> = (slopes.iter())
+                .map(|(unknown, slope)| (*unknown, shown(&slope.shown_by(&sharing, rod_mass))))
                 .collect();
+            slopes.push((ROD_MASS, shown(&asked.of_rods(&sharing))));
             slopes.extend((0..LIMBS).map(|limb| {
                 let by = sharing.of_wrench_by_stiffness(limb, force, torque);
-                (STIFFNESS + limb, unknowns.shown(&by))
+                (STIFFNESS + limb, shown(&by))
             }));
             Share {
-                value: unknowns.shown(&forces),
+                value: shown(&forces),
                 slopes,
                 forces,
             }
@@ -121,28 +177,28 @@ impl Trial {
         let given_way = |direction| resisted(sharing.given_way(direction, DVec3::ZERO));
         let times = |factor: f64, [force, torque]: Wrench| [force * factor, torque * factor];
         let turned = sharing.given_way(n, DVec3::ZERO)[1];
-        let mut slopes = vec![(COMPLIANCE, given_way(n))];
+        let mut slopes = vec![(COMPLIANCE, Asked::of_mass(given_way(n)))];
         slopes.extend((0..6).map(|j| {
             let by = inertia_entry(j) * turned * compliance;
-            (INERTIA + j, [DVec3::ZERO, by])
+            (INERTIA + j, Asked::of_torque(by))
         }));
         slopes.extend((0..2).map(|side| {
             let by = times(compliance, given_way(sideways[side]));
-            (angles + side, by)
+            (angles + side, Asked::of_mass(by))
         }));
         slopes.extend((0..LIMBS).map(|limb| {
             let by = resisted(sharing.given_way_by_stiffness(limb, n, DVec3::ZERO));
-            (STIFFNESS + limb, times(compliance, by))
+            (STIFFNESS + limb, Asked::of_mass(times(compliance, by)))
         }));
         vec![
             Load {
-                wrench: [n, DVec3::ZERO],
+                asked: Asked::of_force(n),
                 slopes: (0..2)
-                    .map(|side| (angles + side, [sideways[side], DVec3::ZERO]))
+                    .map(|side| (angles + side, Asked::of_force(sideways[side])))
                     .collect(),
             },
             Load {
-                wrench: times(compliance, given_way(n)),
+                asked: Asked::of_mass(times(compliance, given_way(n))),
                 slopes,
             },
         ]
@@ -156,30 +212,34 @@ impl Trial {
         let r: DVec3 = (0..2)
             .map(|side| axes[side] * self.own_value(Kind::Centre(side)))
             .sum();
-        let mut tangential: Vec<(usize, Wrench)> = (0..6)
-            .map(|j| (INERTIA + j, [DVec3::ZERO, inertia_entry(j) * n]))
+        let turn = cross(n);
+        let mut tangential: Vec<(usize, Asked)> = (0..6)
+            .map(|j| (INERTIA + j, Asked::of_torque(inertia_entry(j) * n)))
             .collect();
-        let mut quadratic: Vec<(usize, Wrench)> = (0..6)
-            .map(|j| (INERTIA + j, [DVec3::ZERO, n.cross(inertia_entry(j) * n)]))
+        let mut quadratic: Vec<(usize, Asked)> = (0..6)
+            .map(|j| (INERTIA + j, Asked::of_torque(n.cross(inertia_entry(j) * n))))
             .collect();
         for (side, b) in sideways.into_iter().enumerate() {
-            tangential.push((angles + side, [b.cross(r), tensor * b]));
+            let by_turn = cross(b);
+            let tangentially = Asked::of_all([b.cross(r), tensor * b], by_turn);
+            tangential.push((angles + side, tangentially));
             let force = b.cross(n.cross(r)) + n.cross(b.cross(r));
             let torque = b.cross(tensor * n) + n.cross(tensor * b);
-            quadratic.push((angles + side, [force, torque]));
+            let twice = by_turn * turn + turn * by_turn;
+            quadratic.push((angles + side, Asked::of_all([force, torque], twice)));
             if let Some(own) = self.own_place(Kind::Centre(side)) {
                 let by = n.cross(axes[side]);
-                tangential.push((unknowns.len() + own, [by, DVec3::ZERO]));
-                quadratic.push((unknowns.len() + own, [n.cross(by), DVec3::ZERO]));
+                tangential.push((unknowns.len() + own, Asked::of_force(by)));
+                quadratic.push((unknowns.len() + own, Asked::of_force(n.cross(by))));
             }
         }
         let mut loads = vec![
             Load {
-                wrench: [n.cross(r), tensor * n],
+                asked: Asked::of_all([n.cross(r), tensor * n], turn),
                 slopes: tangential,
             },
             Load {
-                wrench: [n.cross(n.cross(r)), n.cross(tensor * n)],
+                asked: Asked::of_all([n.cross(n.cross(r)), n.cross(tensor * n)], turn * turn),
                 slopes: quadratic,
             },
         ];
@@ -200,15 +260,14 @@ impl Trial {
         let g = (0..2).fold(self.gravity_m_s2 + (n - nominal) * along, |g, side| {
             g + by_turn[side] * self.own_value(Kind::Plumb(side))
         });
-        let force_alone = |force: DVec3| [force, DVec3::ZERO];
         let slopes = |by_direction: &dyn Fn(DVec3) -> DVec3,
                       by_gravity: &dyn Fn(DVec3) -> DVec3| {
-            let mut slopes: Vec<(usize, Wrench)> = (0..2)
-                .map(|side| (angles + side, force_alone(by_direction(sideways[side]))))
+            let mut slopes: Vec<(usize, Asked)> = (0..2)
+                .map(|side| (angles + side, Asked::of_force(by_direction(sideways[side]))))
                 .collect();
             for (side, dg) in by_turn.into_iter().enumerate() {
                 if let Some(own) = self.own_place(Kind::Plumb(side)) {
-                    slopes.push((unknowns.len() + own, force_alone(by_gravity(dg))));
+                    slopes.push((unknowns.len() + own, Asked::of_force(by_gravity(dg))));
                 }
             }
             slopes
@@ -216,11 +275,11 @@ impl Trial {
         let square = |g: DVec3| g - n * n.dot(g);
         [
             Load {
-                wrench: force_alone(n.cross(g)),
+                asked: Asked::of_force(n.cross(g)),
                 slopes: slopes(&|b| b.cross(g) + n.cross(b * along), &|dg| n.cross(dg)),
             },
             Load {
-                wrench: force_alone(square(g)),
+                asked: Asked::of_force(square(g)),
                 slopes: slopes(
                     &|b| square(b * along) - (b * n.dot(g) + n * b.dot(g)),
                     &square,

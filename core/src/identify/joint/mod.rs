@@ -72,7 +72,7 @@ use self::room::{Room, Spread, Spreads};
 use self::trial::Trial;
 use self::unknowns::{
     AMPLIFIER_CORNER, ANGLES, COMPLIANCE, CROSS_TALK, DRIFT, GYROSCOPE_GAIN, GYROSCOPE_LAG,
-    INERTIA, MASS_CENTRE, MASS_PER_SCALE, STIFFNESS, Unknowns, WEDGES, Wedge, Wedges,
+    INERTIA, MASS_CENTRE, MASS_PER_SCALE, ROD_MASS, STIFFNESS, Unknowns, WEDGES, Wedge, Wedges,
 };
 use super::static_load_sharing::StaticLoadSharing;
 use crate::error::{Error, Result, require_finite, require_not_negative, require_positive};
@@ -199,6 +199,7 @@ impl Joint {
             ("room.zero_v", certificates.room.zero_v),
             ("room.centre_m", certificates.room.centre_m),
             ("room.mass_centre_m", certificates.room.mass_centre_m),
+            ("room.rod_mass", certificates.room.rod_mass),
             ("room.plumb_rad", certificates.room.plumb_rad),
         ] {
             require_not_negative(name, value)?;
@@ -261,16 +262,6 @@ impl Joint {
                 self.wedges.len() - 1
             });
         self.trials.push(trial);
-    }
-
-    /// Frees the mass's centre, which then is the cube's to this standard deviation along each axis, m.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] for a deviation that is none.
-    pub fn free_mass_centre(&mut self, deviation_m: f64) -> Result<()> {
-        require_positive("room.mass_centre_m", deviation_m)?;
-        self.certificates.room.mass_centre_m = deviation_m;
-        Ok(())
     }
 
     /// Number of trials so far.
@@ -369,14 +360,14 @@ impl Joint {
             })
             .collect();
         let gyroscope_gain = Known::about_zero(c.gyroscope_gain_deviation);
-        let gyroscope_lag = c.gyroscope_lag_s.unwrap_or(Known::HELD);
-        let corner = c.amplifier_corner_rad_s.unwrap_or(Known::HELD);
+        let or_held = |known: Option<Known>| known.unwrap_or(Known::HELD);
         priors.push((GYROSCOPE_GAIN, gyroscope_gain));
-        priors.push((GYROSCOPE_LAG, gyroscope_lag));
-        priors.push((AMPLIFIER_CORNER, corner));
+        priors.push((GYROSCOPE_LAG, or_held(c.gyroscope_lag_s)));
+        priors.push((AMPLIFIER_CORNER, or_held(c.amplifier_corner_rad_s)));
         priors.extend(c.compliance_s2.map(|known| (COMPLIANCE, known)));
         for (range, deviation) in [
-            (MASS_CENTRE..STIFFNESS, c.room.mass_centre_m),
+            (MASS_CENTRE..ROD_MASS, c.room.mass_centre_m),
+            (ROD_MASS..STIFFNESS, c.room.rod_mass),
             (STIFFNESS..CROSS_TALK, spreads.stiffness),
             (self.wedge_angles(), spreads.wedge_rad),
             (self.delays(), c.channel_delay_s),

@@ -14,7 +14,9 @@
 
 use nalgebra::DVector;
 
+use super::Joint;
 use super::unknowns::{BESIDE, OTHERS};
+use crate::error::{Result, require_positive};
 use crate::float::sqrt;
 
 /// What changes one way all day scatters about its mean by its change over the root of twelve, and at either end is half the change, the
@@ -69,6 +71,8 @@ pub struct Room {
     pub centre_m: f64,
     /// From the cube's centre to the mass's along each axis, m; 0 holds it there.
     pub mass_centre_m: f64,
+    /// Half a limb's mass over the seismic mass, about none; 0 takes limbs to have none.
+    pub rod_mass: f64,
     /// Gravity in the sensor about what the session says, in each of two directions, rad.
     pub plumb_rad: f64,
 }
@@ -83,10 +87,11 @@ impl Room {
         zero_v: 0.0,
         centre_m: 0.0,
         mass_centre_m: 0.0,
+        rod_mass: 0.0,
         plumb_rad: 0.0,
     };
 
-    /// An ordinary laboratory, the mass's centre being the cube's. Zero, centre off the axis and plumb line are told by each trial to far below these.
+    /// An ordinary laboratory, the mass's centre being the cube's and the limbs without mass. Zero, centre off the axis and plumb line are told by each trial to far below these.
     pub const ORDINARY: Self = Self {
         stiffness: Spread {
             usual: 2e-3,
@@ -107,8 +112,31 @@ impl Room {
         zero_v: 1.0,
         centre_m: 5e-3,
         mass_centre_m: 0.0,
+        rod_mass: 0.0,
         plumb_rad: 0.02,
     };
+}
+
+impl Joint {
+    /// Frees the mass's centre, which then is the cube's to this standard deviation along each axis, m.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a deviation that is none.
+    pub fn free_mass_centre(&mut self, deviation_m: f64) -> Result<()> {
+        require_positive("room.mass_centre_m", deviation_m)?;
+        self.certificates.room.mass_centre_m = deviation_m;
+        Ok(())
+    }
+
+    /// The same of half a limb's mass over the seismic mass, which then is none to this standard deviation.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a deviation that is none.
+    pub fn free_rod_mass(&mut self, deviation: f64) -> Result<()> {
+        require_positive("room.rod_mass", deviation)?;
+        self.certificates.room.rod_mass = deviation;
+        Ok(())
+    }
 }
 
 /// Standard deviations as the fit has them.

@@ -29,8 +29,10 @@ pub const GYROSCOPE_LAG: usize = GYROSCOPE_GAIN + 1;
 pub const AMPLIFIER_CORNER: usize = GYROSCOPE_LAG + 1;
 /// From the cube's centre to that of its mass, sensor axes, m.
 pub const MASS_CENTRE: usize = AMPLIFIER_CORNER + 1;
+/// Half a limb's mass over the seismic mass.
+pub const ROD_MASS: usize = MASS_CENTRE + 3;
 /// k_i/k of the nine limbs, less one.
-pub const STIFFNESS: usize = MASS_CENTRE + 3;
+pub const STIFFNESS: usize = ROD_MASS + 1;
 /// Share of each other limb's force that a channel shows, channel by channel: [`Unknowns::cross_talk`].
 pub const CROSS_TALK: usize = STIFFNESS + LIMBS;
 /// [`ANGLES`] angles for each wedge, rad, by which it misses its direction. Behind them, where they are free, nine delays, s:

@@ -11,7 +11,7 @@ pub(crate) const STIFFNESS_SD: f64 = 0.005;
 /// Nine rows of nine numbers.
 pub type Square = [[f64; LIMBS]; LIMBS];
 
-/// What the 25 leave out: the limbs' stiffnesses, the mass's centre, cross-talk, and how well strains are known.
+/// What the 25 leave out: the limbs' stiffnesses and mass, the mass's centre, cross-talk, and how well strains are known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CalibratedLimbs {
@@ -20,6 +20,9 @@ pub struct CalibratedLimbs {
     /// From the cube's centre to that of its mass, sensor axes, m.
     #[serde(default)]
     pub mass_centre_m: [f64; 3],
+    /// Half a limb's mass over the seismic mass.
+    #[serde(default)]
+    pub rod_mass: f64,
     /// Share of each limb's force (column) that each channel (row) shows beside its own.
     pub cross_talk: Square,
     /// Root mean square of their standard deviations, of channels side by side and apart.
@@ -34,6 +37,7 @@ impl CalibratedLimbs {
     pub const EXACT: Self = Self {
         stiffness_ratio: [1.0; LIMBS],
         mass_centre_m: [0.0; 3],
+        rod_mass: 0.0,
         cross_talk: [[0.0; LIMBS]; LIMBS],
         cross_talk_spread: 0.0,
         strain_covariance: [[0.0; LIMBS]; LIMBS],
@@ -48,7 +52,7 @@ impl CalibratedLimbs {
         limbs
     }
 
-    /// What undoes their cross-talk, and the torque of a mass off the middle, in a recording of the sensor with its gains.
+    /// What undoes their cross-talk, the torque of a mass off the middle and the limbs' own mass, in a recording of the sensor with its gains.
     ///
     /// # Errors
     /// Those of [`CrossTalk::new`].
@@ -57,7 +61,13 @@ impl CalibratedLimbs {
         sensor: &Sensor,
         parameters: &Parameters,
     ) -> sixaxis_core::Result<CrossTalk> {
-        CrossTalk::new(sensor, parameters, &self.cross_talk, self.mass_centre_m)
+        let Self {
+            cross_talk,
+            mass_centre_m,
+            rod_mass,
+            ..
+        } = self;
+        CrossTalk::new(sensor, parameters, cross_talk, *mass_centre_m, *rod_mass)
     }
 
     /// Takes note that a limb's strain per volt is less certain by a relative standard deviation of its own.

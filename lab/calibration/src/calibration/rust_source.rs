@@ -66,9 +66,10 @@ pub const PARAMETERS: sixaxis_core::Parameters = sixaxis_core::Parameters {{
     stiffness_per_mass_per_s2: {stiffness_per_mass_per_s2:?},
 }};
 
-/// From the cube's centre to that of its mass, sensor axes, m; and share of each limb's force (column) that each channel (row) shows: what
-/// `sixaxis_core::CrossTalk` undoes before the decoupler.
+/// From the cube's centre to that of its mass, sensor axes, m; half a limb's mass over the seismic mass; and share of each limb's force
+/// (column) that each channel (row) shows: what `sixaxis_core::CrossTalk` undoes before the decoupler.
 pub const MASS_CENTRE_M: [f64; 3] = {mass_centre_m:?};
+pub const ROD_MASS: f64 = {rod_mass:?};
 pub const CROSS_TALK: [[f64; {LIMBS}]; {LIMBS}] = {cross_talk:?};
 
 /// Stiffness of each limb over their mean: `sixaxis_core::Settings::stiffness_ratio`, by which limbs that are excluded bear their share.
@@ -97,6 +98,7 @@ pub const LIMBS_LAG_US: Option<[f64; {LIMBS}]> = {limbs_lag_us:?};
                 .limbs
                 .as_ref()
                 .map_or([0.0; 3], |limbs| limbs.mass_centre_m),
+            rod_mass = self.limbs.as_ref().map_or(0.0, |limbs| limbs.rod_mass),
             cross_talk = self
                 .limbs
                 .as_ref()

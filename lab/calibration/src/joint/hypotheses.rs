@@ -83,12 +83,15 @@ impl Unaccounted<'_> {
         let fitted = |knowledge: &Knowledge| {
             fit_trials(geometry, trials, rest, start, knowledge, Loss::Squares).ok()
         };
-        // A day without a fit may also have a mass that is far off the middle.
-        fitted(knowledge).or_else(|| {
-            self.joint
-                .is_err()
-                .then(|| fitted(&knowledge.with_free_mass()))?
-        })
+        let held = fitted(knowledge);
+        if self.joint.is_ok() || held.as_ref().is_some_and(JointReport::accounts) {
+            return held;
+        }
+        // A day without a fit may also have limbs with mass, or a mass that is far off the middle.
+        let heavy = fitted(&knowledge.with_heavy_limbs());
+        heavy
+            .filter(|heavy| held.is_none() || heavy.accounts())
+            .or(held)
     }
 
     /// The fit of all trials, each put right. It starts from what their responses then agree on.

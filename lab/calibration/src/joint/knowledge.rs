@@ -6,7 +6,7 @@ use sixaxis_core::identify::joint::{Certificates, Known};
 use sixaxis_core::significance::NORMAL_95;
 use sixaxis_recordings::session::Session;
 
-use super::mass_centre;
+use super::{mass_centre, rod_mass};
 use crate::tap::Taps;
 
 /// Standard deviation of a wedge's angles where the session does not say, degrees: a workshop's.
@@ -84,6 +84,14 @@ impl Knowledge {
         let mut free = *self;
         free.certificates.room.mass_centre_m = mass_centre::DEVIATION_M;
         free
+    }
+
+    /// The same with limbs that may have mass, of which it is the mass's centre that the trials show first.
+    #[must_use]
+    pub fn with_heavy_limbs(&self) -> Self {
+        let mut heavy = self.with_free_mass();
+        heavy.certificates.room.rod_mass = rod_mass::DEVIATION;
+        heavy
     }
 
     /// Takes k/m from taps, if they determine it. They were evaluated with steps 2 and 3, whose errors they share with the

@@ -4,7 +4,7 @@ use serde::Serialize;
 use sixaxis_core::identify::joint::Known;
 use sixaxis_core::identify::joint::estimate::TrialEstimate;
 use sixaxis_core::identify::joint::unknowns::{
-    AMPLIFIER_CORNER, ANGLES, GYROSCOPE_GAIN, GYROSCOPE_LAG, MASS_CENTRE,
+    AMPLIFIER_CORNER, ANGLES, GYROSCOPE_GAIN, GYROSCOPE_LAG, MASS_CENTRE, ROD_MASS,
 };
 
 use super::JointReport;
@@ -35,6 +35,8 @@ pub struct RoomFound {
     pub wedge_spread_deg: f64,
     /// From the cube's centre to that of its mass, sensor axes, m; none where nothing speaks against one place.
     pub mass_centre_m: Option<[Known; 3]>,
+    /// Half a limb's mass over the seismic mass; none where nothing speaks against limbs without mass.
+    pub rod_mass: Option<Known>,
     /// Farthest that the mass's centre is from the axis in any trial, m.
     pub centre_off_axis_m: f64,
     /// Most that gravity is off where the session has it, degrees.
@@ -107,6 +109,7 @@ impl JointReport {
                     [Some(x), Some(y), Some(z)] => Some([x, y, z]),
                     _ => None,
                 },
+                rod_mass: self.found(ROD_MASS),
                 centre_off_axis_m: farthest(|trial| trial.centre_m),
                 off_plumb_deg: farthest(|trial| trial.plumb).to_degrees(),
             },

@@ -11,7 +11,7 @@ use super::super::own::{self, Kind};
 use super::super::room::Room;
 use super::super::unknowns::{
     ACCELEROMETER_GAIN, AMPLIFIER_CORNER, ANGLES, COMPLIANCE, DRIFT, GYROSCOPE_GAIN, INERTIA,
-    MASS_CENTRE, MASS_PER_SCALE, STIFFNESS, WEDGES, Wedge,
+    MASS_CENTRE, MASS_PER_SCALE, ROD_MASS, STIFFNESS, WEDGES, Wedge,
 };
 use super::*;
 use crate::float::{sin_cos, sqrt};
@@ -45,7 +45,7 @@ fn size_of_unknown(u: usize) -> f64 {
         u if u < INERTIA => 0.2,
         u if u < COMPLIANCE => 2e-4,
         COMPLIANCE => 1e-5,
-        u if (MASS_CENTRE..STIFFNESS).contains(&u) || u >= WEDGES + ANGLES => 1e-2,
+        u if (MASS_CENTRE..ROD_MASS).contains(&u) || u >= WEDGES + ANGLES => 1e-2,
         _ => 0.1,
     }
 }
@@ -91,9 +91,10 @@ fn trial((drive, gravity_turns, amplifier, late, elsewhere): Case) -> (Trial, Un
     values[GYROSCOPE_GAIN] = -0.02;
     values[GYROSCOPE_LAG] = 0.016;
     values[AMPLIFIER_CORNER] = 0.7;
-    for (place, unknown) in (MASS_CENTRE..STIFFNESS).enumerate() {
+    for (place, unknown) in (MASS_CENTRE..ROD_MASS).enumerate() {
         values[unknown] = 1e-3 * (1.0 + place as f64);
     }
+    values[ROD_MASS] = 0.02;
     for (place, unknown) in (STIFFNESS..WEDGES).enumerate() {
         values[unknown] = 0.01 * sin_cos(place as f64).0;
     }

@@ -180,13 +180,20 @@ fn nuisances(joint: &JointReport) -> Table {
             (name, told(along, 1e3, "mm", remark))
         })
     });
+    let rod_mass = found.room.rod_mass.into_iter().map(|rods| {
+        let name = "half a limb's mass over the seismic mass".to_owned();
+        let remark =
+            "taken into account when decoupling, but for what the square of the rate makes of it";
+        (name, told(rods, 100.0, "%", remark))
+    });
+    let of_the_mass = mass_centre.chain(rod_mass);
     Table::grouped("instrument, room or wedge")
         .group(
             "Instruments",
             instruments.map(|(name, told)| (name.to_owned(), told)),
             |(name, _)| name.clone(),
         )
-        .group("Room", mass_centre.chain(room), |(name, _)| name.clone())
+        .group("Room", of_the_mass.chain(room), |(name, _)| name.clone())
         .group(
             "Wedges: angles by which they miss",
             wedges,
