@@ -15,8 +15,9 @@ use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use sixaxis_core::decouple::stream::Decoupler;
 use sixaxis_core::{
-    Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse,
+    CrossTalk, Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse,
 };
+use sixaxis_reference::limbs::shown_of_rods_m_s2;
 use sixaxis_reference::motion::TrueMotion;
 use sixaxis_reference::mujoco::model::SensorModel;
 use sixaxis_reference::mujoco::simulation::Simulation;
@@ -52,6 +53,8 @@ pub struct Case {
     pub gravity_ground_m_s2: DVec3,
     /// What the channels say of a constant load.
     pub static_response: StaticResponse,
+    /// Half a limb's mass over the seismic mass, which its channel shows.
+    pub rod_mass: f64,
 }
 
 impl Case {
@@ -72,6 +75,7 @@ impl Case {
             } else {
                 StaticResponse::Tared
             },
+            rod_mass: 0.0,
         }
     }
 
@@ -96,11 +100,11 @@ impl Case {
         }
     }
 
-    /// Simulates with `refinement` times the usual number of steps, records without errors and decouples.
+    /// Simulates with `refinement` times the usual number of steps and records without errors.
     ///
     /// # Panics
-    /// If the simulation or the decoupler refuses.
-    pub fn decoupled(&self, refinement: usize, scheme: Scheme) -> Decoupled {
+    /// If the simulation refuses.
+    pub fn recorded(&self, refinement: usize) -> Recorded {
         let rate = self.sample_rate_hz();
         let steps = (1.0 / (rate * LONGEST_STEP_S)).ceil() as usize * refinement;
         let run = sixaxis_reference::mujoco::simulate(
@@ -118,44 +122,78 @@ impl Case {
             }
             StaticResponse::Full => [0.0; LIMBS],
         };
+        let drawing = sixaxis_reference::geometry::Geometry::PAPER;
+        let of_rods = |motion: &TrueMotion| {
+            shown_of_rods_m_s2(&drawing, self.rod_mass, motion, self.gravity_ground_m_s2)
+        };
+        let at_rest = match (self.static_response, run.truth.first()) {
+            (StaticResponse::Tared, Some(first)) => of_rods(&TrueMotion::at_rest(first.attitude)),
+            _ => [0.0; LIMBS],
+        };
         let forces: Vec<[f64; LIMBS]> = run
             .limb_force_per_mass_m_s2
             .iter()
-            .map(|force| from_fn(|i| force[i] - rest[i]))
+            .zip(&run.truth)
+            .map(|(force, motion)| {
+                let of_rods = of_rods(motion);
+                from_fn(|i| (force[i] - rest[i]) + (of_rods[i] - at_rest[i]))
+            })
             .collect();
         let gains = truth::amplifier_ranges(&forces, &self.parameters);
         let signal = truth::sensor(&self.parameters);
         let voltages = forces
             .iter()
             .map(|force| signal.voltage_v(force, &gains.gain_n_per_v));
-        let sensor = Sensor {
-            geometry: Geometry::PAPER,
-            gains,
-        };
+        Recorded {
+            sensor: Sensor {
+                geometry: Geometry::PAPER,
+                gains,
+            },
+            voltage_v: voltages.collect(),
+            truth: run.truth,
+        }
+    }
+
+    /// Decouples what was recorded; what limbs with mass show of the square of the rate is taken off for limbs of this mass.
+    ///
+    /// # Panics
+    /// If the decoupler refuses.
+    pub fn decoupled(&self, recorded: Recorded, scheme: Scheme, rod_mass: f64) -> Decoupled {
+        let Recorded {
+            sensor,
+            voltage_v,
+            truth,
+        } = recorded;
         let settings = Settings {
             scheme,
             static_response: self.static_response,
             gravity_ground_m_s2: self.gravity_ground_m_s2,
-            ..Settings::new(rate)
+            rod_mass,
+            ..Settings::new(self.sample_rate_hz())
         };
-        let mut decoupler = Decoupler::new(&sensor, &self.parameters, &settings)
-            .expect("a random sensor is a sound one");
-        let mut ours = Vec::with_capacity(forces.len());
-        for row in voltages {
+        let parameters = &self.parameters;
+        let none = [[0.0; LIMBS]; LIMBS];
+        let of_rods = (self.rod_mass > 0.0).then(|| {
+            CrossTalk::new(&sensor, parameters, &none, [0.0; 3], self.rod_mass)
+                .expect("limbs lighter than the mass")
+        });
+        let mut decoupler =
+            Decoupler::new(&sensor, parameters, &settings).expect("a random sensor is a sound one");
+        let mut ours = Vec::with_capacity(voltage_v.len());
+        for row in &voltage_v {
+            let row = of_rods.map_or(*row, |of_rods| of_rods.undo(row));
             let completed = decoupler.push(&row).expect("a simulated sample");
             ours.extend(completed);
         }
-        Decoupled {
-            ours,
-            truth: run.truth,
-        }
+        Decoupled { ours, truth }
     }
 
     /// Nine rows of the suite `motions`: three axes each of linear acceleration, angular acceleration and rate, over the
     /// peak of the vector.
     pub fn compare(&self, case: &str, scheme: Scheme, tolerance: Tolerance) -> Vec<Row> {
         let frequency_hz = self.motion.highest_frequency_hz();
-        let [usual, halved] = [1, 2].map(|refinement| self.decoupled(refinement, scheme));
+        let [usual, halved] = [1, 2]
+            .map(|refinement| self.decoupled(self.recorded(refinement), scheme, self.rod_mass));
         let quantities: [(&str, &str, [Get; 2]); 3] = [
             (
                 "linear acceleration",
@@ -261,6 +299,14 @@ fn in_cube(rng: &mut Pcg64, size: f64) -> DVec3 {
 
 type Get = fn(&Decoupled, usize) -> DVec3;
 
+/// A simulated motion as its sensor's channels show it.
+#[derive(Debug, Clone)]
+pub struct Recorded {
+    sensor: Sensor,
+    voltage_v: Vec<[f64; LIMBS]>,
+    truth: Vec<TrueMotion>,
+}
+
 /// What the decoupler made of a simulated motion, with the truth.
 #[derive(Debug, Clone)]
 pub struct Decoupled {
@@ -273,6 +319,23 @@ pub struct Decoupled {
 impl Decoupled {
     fn truth_of(&self, i: usize) -> &TrueMotion {
         &self.truth[self.ours[i].sample as usize]
+    }
+
+    /// Largest error of linear and angular acceleration and of the rate, over the peak of each.
+    pub fn largest_errors(&self) -> [f64; 3] {
+        let pairs = |i: usize| {
+            let (ours, truth) = (&self.ours[i], self.truth_of(i));
+            [
+                [ours.linear_ground_m_s2, truth.linear_ground_m_s2],
+                [ours.angular_ground_rad_s2, truth.angular_ground_rad_s2],
+                [ours.rate_shell_rad_s, truth.rate_shell_rad_s],
+            ]
+        };
+        from_fn(|quantity| {
+            let all = (0..self.ours.len()).map(|i| pairs(i)[quantity]);
+            let peak = largest(all.clone().map(|[_, truth]| truth.length()));
+            largest(all.map(|[ours, truth]| (ours - truth).length() / peak))
+        })
     }
 }
 

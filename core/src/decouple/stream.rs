@@ -1,17 +1,20 @@
 //! Nine voltages in, six accelerations out: the whole of the paper's section 2.1 as a stream.
 
+mod closed_form;
 mod excluded_limbs;
+mod limb_mass;
 mod state;
 mod wider;
 
+use limb_mass::ShownOfRate;
 use state::Start;
 pub(crate) use state::State;
 
 use super::record::BlockCount;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::LIMBS;
 use crate::kernel::attitude::{
-    HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, exp_exactly, half_rotation, to_ground,
+    HALF_ANGLE_SQUARED_LIMIT, Quaternion, exp, half_rotation, to_ground,
 };
 use crate::kernel::channel_mask::ChannelMask;
 use crate::kernel::constants::Constants;
@@ -19,7 +22,6 @@ use crate::kernel::number::Scalar;
 use crate::kernel::order::to_kernel_order;
 use crate::kernel::placement::{self, LimbLoad, STRAIN_LIMIT};
 use crate::kernel::rate::{RateIntegrator, Torques};
-use crate::kernel::reconstruct;
 use crate::kernel::shell::{self, RelativePose, ShellMotion};
 use crate::kernel::vec3::Vec3;
 use crate::kernel::wider::Wider;
@@ -51,13 +53,17 @@ pub struct Decoupler<T: Scalar = f64> {
     start: Start<T>,
     /// Last two voltage rows, indexed by `sample & 1`; replayed when the excluded set changes.
     recent: [[T; LIMBS]; 2],
-    /// No limb is excluded and the first answer is out: most samples take the shortest way.
+    /// The first answer is out, and limbs have no mass: series are tried.
+    settled: bool,
+    /// No limb is excluded besides: most samples take the shortest way.
     fast: bool,
     /// The constants once more where the processor has wider registers than the program was compiled for.
     wider: Option<T::Wider>,
     pub(crate) blocks: BlockCount,
     /// Of all limbs and in f64, for samples beyond the series.
     exact: Constants<f64>,
+    /// Of limbs with mass.
+    shown_of_rate: Option<ShownOfRate<T>>,
 }
 
 impl Decoupler {
@@ -93,7 +99,8 @@ impl<T: Scalar> Decoupler<T> {
     }
 
     fn build(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
-        let exact = Constants::new(&Model::new(sensor, parameters, settings)?)?;
+        let model = Model::new(sensor, parameters, settings)?;
+        let exact = Constants::new(&model)?;
         let constants = exact.rounded();
         let start = Start::new(settings);
         let mask = ChannelMask::excluding(LimbSet::EMPTY, &settings.stiffness_ratio, &exact)?;
@@ -112,9 +119,11 @@ impl<T: Scalar> Decoupler<T> {
             scheme: settings.scheme,
             start,
             recent: [[T::default(); LIMBS]; 2],
+            settled: false,
             fast: false,
             blocks: BlockCount::default(),
             exact,
+            shown_of_rate: ShownOfRate::new(&model)?,
         })
     }
 
@@ -169,7 +178,7 @@ impl<T: Scalar> Decoupler<T> {
     /// With limbs excluded. A function of its own: what is done there wants registers that most streams never need.
     #[inline(never)]
     fn push_excluding(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
-        if self.state.received > 2 {
+        if self.settled {
             if let Some(wider) = &self.wider {
                 return self.push_wider::<true>(wider.proof(), voltage_v);
             }
@@ -182,11 +191,19 @@ impl<T: Scalar> Decoupler<T> {
         self.push_checked(voltage_v)
     }
 
-    /// The start of a stream, and samples beyond series and polynomials. The whole sample: coming back from a call, the fast way
+    /// The start of a stream, limbs with mass, and samples beyond series and polynomials. The whole sample: coming back from a call, the fast way
     /// would have to keep in memory what it has in registers.
     #[cold]
     #[inline(never)]
     pub(super) fn push_checked(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
+        let without_limb_mass;
+        let voltage_v = match &self.shown_of_rate {
+            None => voltage_v,
+            Some(shown) => {
+                without_limb_mass = self.without_limb_mass(shown, voltage_v);
+                &without_limb_mass
+            }
+        };
         let mut after = self.place(voltage_v);
         if !in_range(&after) {
             after = self.place_exactly(voltage_v, self.state.received)?;
@@ -293,7 +310,8 @@ impl<T: Scalar> Decoupler<T> {
         self.refuse_overflow(&motion)?;
         self.state.spin = spin;
         self.remember(voltage_v);
-        self.fast = self.mask.all();
+        self.settled = self.shown_of_rate.is_none();
+        self.fast = self.settled && self.mask.all();
         let attitude = self.start.attitude;
         let sample = self.advance(*after, motion, attitude);
         let ground = to_ground(&self.constants, &motion, attitude);
@@ -329,44 +347,6 @@ impl<T: Scalar> Decoupler<T> {
         state.shell = motion;
         state.attitude = attitude;
         sample
-    }
-
-    /// A sample beyond the series, or one that is not a number.
-    #[cold]
-    #[inline(never)]
-    fn place_exactly(&self, voltage_v: &[T; LIMBS], sample: u64) -> Result<LimbLoad<T>> {
-        let used = self.mask.exact_voltages(voltage_v);
-        let sample = sample as usize;
-        let placed = if self.mask.all() {
-            placement::exactly(&self.exact, &used, sample)
-        } else {
-            let without = self.exact.excluding(self.excluded());
-            reconstruct::exactly(&without, &self.mask.reconstruction, &used, sample)
-        }?;
-        Ok(placed.map(T::from_f64))
-    }
-
-    /// A step by more than the polynomials of the rotation hold for, or one that is not a number.
-    #[cold]
-    #[inline(never)]
-    fn turn_exactly(
-        &self,
-        half: Vec3<T>,
-        scale: T,
-        motion: &ShellMotion<T>,
-    ) -> Result<Quaternion<T>> {
-        self.refuse_overflow(motion)?;
-        exp_exactly(half, scale).ok_or(self.overflow())
-    }
-
-    fn refuse_overflow(&self, motion: &ShellMotion<T>) -> Result<()> {
-        let answer = to_ground(&self.constants, motion, self.state.attitude);
-        let finite = answer.iter().all(|v| v.is_finite());
-        if finite { Ok(()) } else { Err(self.overflow()) }
-    }
-
-    fn overflow(&self) -> Error {
-        Error::overflow("decoupling", self.state.received as usize)
     }
 }
 

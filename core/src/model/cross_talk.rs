@@ -2,24 +2,23 @@
 //! centre is not the cube's and because they have mass themselves.
 //!
 //! Of the limb forces f over the mass, channel i shows f_i + sum over j of X_ij f_j, so that f = (1 + X)^-1 times what is shown. The force F
-//! and the torque t about the mass's centre, c from the cube's, that the decoupler wants have the torque t + c x F about the cube's. Limbs of
-//! which half the mass is mu of the seismic one show mu J \[F + c x (I/m)^-1 t, (I/m)^-1 t\] besides, the acceleration of their middles along
-//! them (rows of J as in [`limb_jacobian`](crate::Geometry::limb_jacobian)). T takes the wrench of both off, shared among the limbs as by the
-//! least squares of the nine. In volts, with V the diagonal of forces over the mass per volt and d the zero drifts,
+//! and the torque t about the mass's centre, c from the cube's, that the decoupler wants have the torque t + c x F about the cube's, and limbs
+//! with mass show of F and t what accelerates them. T takes both off ([`super::limb_mass`]). In volts, with V the diagonal of forces over the
+//! mass per volt and d the zero drifts,
 //!
 //! ```text
 //! v' = d + V^-1 T (1 + X)^-1 V (v - d).
 //! ```
 //!
-//! What is decoupled then is the acceleration of the mass's centre. What limbs with mass show of the square of the rate stays in it: for the
-//! paper's drawing up to 1.63 mu in angular acceleration over that square, 0.15 rad/s^2 at 3 rad/s and mu of 1 %.
+//! What is decoupled then is the acceleration of the mass's centre. What limbs with mass show of the square of the rate is left to the
+//! decoupler, which knows the rate ([`Settings::rod_mass`](crate::Settings::rod_mass)).
 
 use glam::DVec3;
-use nalgebra::{Matrix6, SMatrix};
+use nalgebra::SMatrix;
 
+use super::limb_mass::of_the_mass;
 use super::{Parameters, Sensor};
-use crate::columns::{halves, stacked};
-use crate::error::{Error, Result, require_finite};
+use crate::error::{Error, Result, require_finite, require_not_negative};
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
 
@@ -51,7 +50,7 @@ impl CrossTalk {
         for along_m in mass_centre_m {
             require_finite("mass_centre_m", along_m)?;
         }
-        require_finite("rod_mass", rod_mass)?;
+        require_not_negative("rod_mass", rod_mass)?;
         for &share in shares.as_flattened() {
             require_finite("share of cross-talk", share)?;
         }
@@ -70,11 +69,7 @@ impl CrossTalk {
         let mass_centre_m = DVec3::from_array(mass_centre_m);
         let undone = match mass_centre_m == DVec3::ZERO && rod_mass == 0.0 {
             true => undone,
-            false => {
-                let of_the_mass = of_the_mass(sensor, parameters, mass_centre_m, rod_mass);
-                let singular = "of limbs lighter than the mass that they hold";
-                of_the_mass.ok_or(Error::out_of_range("rod_mass", rod_mass, singular))? * undone
-            }
+            false => of_the_mass(sensor, parameters, mass_centre_m, rod_mass)? * undone,
         };
         let force_per_v: [f64; LIMBS] = core::array::from_fn(|i| {
             parameters.scale_per_mass_per_kg[i] * sensor.gains.gain_n_per_v[i]
@@ -114,31 +109,6 @@ impl CrossTalk {
         }
         out
     }
-}
-
-/// T; none for limbs whose mass leaves the mass's own wrench open.
-fn of_the_mass(
-    sensor: &Sensor,
-    parameters: &Parameters,
-    centre_m: DVec3,
-    rod_mass: f64,
-) -> Option<SMatrix<f64, LIMBS, LIMBS>> {
-    let jacobian = sensor.geometry.limb_jacobian();
-    let wrench_of = jacobian.transpose();
-    let together = wrench_of * jacobian;
-    let sharing = jacobian * together.try_inverse()?;
-    let angular = parameters.inertia_per_mass.matrix_mass_m2().inverse();
-    // The wrench of all that is shown for each of the mass's own six.
-    let shown: [_; 6] = core::array::from_fn(|of| {
-        let own = Matrix6::identity().column(of).into_owned();
-        let [force, torque] = halves(&own);
-        let turned = angular * torque;
-        let of_rods = together * stacked(force + centre_m.cross(turned), turned);
-        stacked(force, torque + centre_m.cross(force)) + of_rods * rod_mass
-    });
-    let own = Matrix6::from_columns(&shown).try_inverse()?;
-    let too_much = wrench_of - own * wrench_of;
-    Some(SMatrix::identity() - sharing * too_much)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! checks anything again.
 
 mod cross_talk;
+pub(crate) mod limb_mass;
 mod parameters;
 mod sensor;
 mod settings;

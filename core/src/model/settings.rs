@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Result, require};
+use crate::error::{Result, require, require_not_negative};
 use crate::geometry::LIMBS;
 use crate::scheme::Scheme;
 
@@ -44,6 +44,9 @@ pub struct Settings {
     /// Stiffness of each limb over the mean one's. By it the limbs share what statics leave open: the forces of excluded limbs, and those
     /// at rest that a tared signal hides. Nine forces add up whatever it is.
     pub stiffness_ratio: [f64; LIMBS],
+    /// Half a limb's mass over the seismic mass. What limbs show of the square of the rate is taken off by it; what they show of force and
+    /// torque [`CrossTalk`](crate::CrossTalk) takes off before. The plain decoder ([`crate::paper`]) knows limbs without mass only.
+    pub rod_mass: f64,
     /// g in ground axes, m/s^2, pointing down. Zero neglects gravity, as eq. (12) does.
     pub gravity_ground_m_s2: DVec3,
     /// R at the first decoupled sample: shell axes to ground axes. A tared signal counts from this attitude.
@@ -62,6 +65,7 @@ impl Settings {
             limb_law: LimbLaw::CompressionShortens,
             static_response: StaticResponse::Tared,
             stiffness_ratio: [1.0; LIMBS],
+            rod_mass: 0.0,
             gravity_ground_m_s2: DVec3::ZERO,
             initial_attitude: DQuat::IDENTITY,
             initial_rate_shell_rad_s: DVec3::ZERO,
@@ -87,6 +91,7 @@ impl Settings {
             let sound = ratio.is_finite() && ratio > 0.0;
             require(sound, "stiffness ratio", ratio, "positive and finite")?;
         }
+        require_not_negative("rod_mass", self.rod_mass)?;
         for (name, vector) in [
             ("gravity_ground_m_s2", self.gravity_ground_m_s2),
             ("initial_rate_shell_rad_s", self.initial_rate_shell_rad_s),

@@ -60,7 +60,10 @@ impl<'a> ValidationRun<'a> {
             gravity_m_s2: recording.true_gravity_ground_m_s2,
             calibration,
             parameters: calibration.parameters(),
-            settings: trial.settings(Scheme::HeunSubstepped),
+            settings: Settings {
+                rod_mass: calibration.limbs.map_or(0.0, |limbs| limbs.rod_mass),
+                ..trial.settings(Scheme::HeunSubstepped)
+            },
             sensor,
             rows: without(&conditioned.as_ref()?.voltage_v),
             recorded_v: without(&recording.voltage_v),

@@ -54,6 +54,12 @@ pub const RANDOM_MOTION: Gate = Gate {
         note: "median 3e-8 and 99 % below 4e-7 over 1,000 motions",
     },
 };
+/// Error of accelerations and rate over their peaks, over half a limb's mass: a limb's own force is taken off as if no load tilted the limbs.
+pub const LIMBS_WITH_MASS: Tolerance = measured(
+    0.06,
+    0.02,
+    "most in slow motion: weight in limbs that it tilts",
+);
 /// The same over what is allowed, 1e-6 and the reference's own error.
 pub const RANDOM_MOTION_SHARE: Gate = Gate {
     median: 1.0,

@@ -2,11 +2,16 @@
 //!
 //! `SIXAXIS_MOTIONS=1000` is the nightly setting; `SIXAXIS_SEED` draws others.
 
+use core::f64::consts::TAU;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use rand::RngExt;
+use rand_pcg::Pcg64;
+use rayon::prelude::*;
 use sixaxis_core::Scheme;
-use sixaxis_props::evidence::{self, Quantiles};
-use sixaxis_props::motions;
+use sixaxis_props::compare::{fails_clearly, largest};
+use sixaxis_props::evidence::{self, Quantiles, Row};
+use sixaxis_props::motions::{self, Case};
 use sixaxis_props::seed::seed;
 use sixaxis_props::tolerance;
 
@@ -22,6 +27,51 @@ fn motions() -> u64 {
             .expect("SIXAXIS_MOTIONS is a number of motions"),
         Err(_) => MOTIONS,
     }
+}
+
+/// Motions of sensors whose limbs have mass, and random stream of how much.
+const HEAVY: u64 = 12;
+const ROD_MASSES: u128 = 93;
+
+/// Limbs with mass, half of one up to 3 % of the seismic mass, are decoupled as those without. What they show of the square of the rate is more than
+/// is allowed.
+#[test]
+fn ref_limbs_with_mass_are_decoupled() {
+    let (seed, scheme) = (seed(), Scheme::AdamsMoulton4);
+    let played: Vec<(Case, [f64; 3])> = (0..HEAVY)
+        .into_par_iter()
+        .map(|index| {
+            let mut rng = Pcg64::new((u128::from(seed) << 64) | u128::from(index), ROD_MASSES);
+            let case = Case {
+                rod_mass: 10.0_f64.powf(rng.random_range(-3.0..-1.5)),
+                ..Case::numbered(seed, index)
+            };
+            let over_rod_mass = |refinement, taken| {
+                let decoupled = case.decoupled(case.recorded(refinement), scheme, taken);
+                largest(decoupled.largest_errors()) / case.rod_mass
+            };
+            let [usual, refined] = [1, 2].map(|steps| over_rod_mass(steps, case.rod_mass));
+            (
+                case,
+                [refined, (usual - refined).abs(), over_rod_mass(2, 0.0)],
+            )
+        })
+        .collect();
+    let limit = tolerance::LIMBS_WITH_MASS;
+    for (index, (case, [error, by_step, _])) in played.iter().enumerate() {
+        let frequency_hz = case.motion.highest_frequency_hz();
+        // Limbs move with the shell in the simulation, and with the mass by what is taken off.
+        let in_the_shell = (TAU * frequency_hz).powi(2) / case.parameters.stiffness_per_mass_per_s2;
+        let rod_mass = 100.0 * case.rod_mass;
+        Row::new("limbs with mass, over that mass", *error, limit)
+            .case(format!(
+                "motion {index} of seed {seed}: {frequency_hz:.1} Hz, {rod_mass:.2} %"
+            ))
+            .beyond(by_step + in_the_shell)
+            .judge();
+    }
+    let left_on = largest(played.iter().map(|(_, [_, _, left_on])| *left_on));
+    fails_clearly("limbs with mass, the rate's square left on", left_on, limit);
 }
 
 #[test]

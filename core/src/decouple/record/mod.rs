@@ -26,7 +26,6 @@ use pulp::{Arch, Simd, WithSimd};
 use crate::decouple::stream::Decoupler;
 use crate::error::{Result, require_samples};
 use crate::geometry::LIMBS;
-use crate::kernel::attitude::HALF_ANGLE_SQUARED_LIMIT;
 use crate::kernel::simd::{Register, Wide};
 use crate::six_axis::SixAxisColumns;
 use ::wide::f64x4;
@@ -44,7 +43,7 @@ pub struct BlockCount {
     pub whole: u64,
     /// As a block at first, then once more sample by sample: the series or polynomials do not hold for one of its samples.
     pub again: u64,
-    /// Sample by sample from the first: the shell turns too far in a sample when the block begins.
+    /// Sample by sample from the first: limbs have mass, or the shell turns too far in a sample when the block begins.
     pub singly: u64,
 }
 
@@ -123,13 +122,6 @@ impl Decoupler {
         }
     }
 
-    /// Whether the shell turns further in a sample than the polynomials of the rotation hold for: the fast ways are of no use then.
-    fn turns_far(&self) -> bool {
-        let rate = self.state.shell.rate;
-        // Half of it is the half angle of a step.
-        rate.dot(rate) > 4.0 * HALF_ANGLE_SQUARED_LIMIT
-    }
-
     // A function of its own: the loops of a block are laid out better without it.
     #[inline(never)]
     fn push_each(
@@ -140,7 +132,7 @@ impl Decoupler {
     ) -> Result<()> {
         for sample in samples {
             let row = voltage_v.row(sample);
-            let answer = if self.turns_far() {
+            let answer = if self.state.turns_far() {
                 self.push_checked(&row)
             } else {
                 self.push(&row)
@@ -191,8 +183,8 @@ fn decode<R: Register, const EXCLUDING: bool>(
         let mut block = Block::<R, EXCLUDING>::new(proof, decoupler);
         let mut room = [[0.0; BLOCK]; LIMBS];
         while samples - first >= BLOCK {
-            // Where the open loop has run away no block would succeed, and none is tried.
-            let tried = !decoupler.turns_far();
+            // Where the open loop has run away no block would succeed, and limbs with mass need the rate first: none is tried.
+            let tried = !decoupler.has_limb_mass() && !decoupler.state.turns_far();
             let done = if tried {
                 block.decode(decoupler, voltage_v, first, &mut room)
             } else {

@@ -37,7 +37,7 @@ impl<T: Scalar> Decoupler<T> {
         let mut switched = Self {
             mask: ChannelMask::excluding(excluded, stiffness_ratio, &self.exact)?,
             constants: self.exact.excluding(excluded).rounded(),
-            fast: excluded.is_empty() && received >= 3,
+            fast: excluded.is_empty() && self.settled,
             ..self.clone()
         };
         switched.wider = T::Wider::new(&switched.constants, &switched.mask.strains);

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::kernel::attitude::Quaternion;
+use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, Quaternion};
 use crate::kernel::number::{Real, Scalar};
 use crate::kernel::placement::LimbLoad;
 use crate::kernel::rate::RateIntegrator;
@@ -47,4 +47,13 @@ pub(crate) struct State<T: Real> {
     pub shell: ShellMotion<T>,
     /// Its attitude there.
     pub attitude: Quaternion<T>,
+}
+
+impl<T: Scalar> State<T> {
+    /// Whether the shell turns further in a sample than the polynomials of the rotation hold for: the fast ways are of no use then.
+    pub fn turns_far(&self) -> bool {
+        let rate = self.shell.rate;
+        // Half of it is the half angle of a step.
+        rate.dot(rate) > T::from_f64(4.0 * HALF_ANGLE_SQUARED_LIMIT)
+    }
 }

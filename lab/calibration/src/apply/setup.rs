@@ -39,6 +39,8 @@ pub struct Setup {
     pub parameters: Parameters,
     /// Stiffness of each limb over the mean one's, where the calibration knows it.
     pub stiffness_ratio: [f64; LIMBS],
+    /// Half a limb's mass over the seismic mass.
+    pub rod_mass: f64,
     /// g in ground axes, m/s^2.
     pub gravity_ground_m_s2: DVec3,
     /// Names and units of the channels.
@@ -164,6 +166,7 @@ impl Setup {
             parameters: calibration.parameters(),
             stiffness_ratio: (calibration.limbs.as_ref())
                 .map_or([1.0; LIMBS], |limbs| limbs.stiffness_ratio),
+            rod_mass: (calibration.limbs.as_ref()).map_or(0.0, |limbs| limbs.rod_mass),
             gravity_ground_m_s2,
             rate_hz: overrides
                 .rate_hz
@@ -285,6 +288,7 @@ impl Setup {
         Settings {
             scheme,
             stiffness_ratio: self.stiffness_ratio,
+            rod_mass: self.rod_mass,
             gravity_ground_m_s2: self.gravity_ground_m_s2,
             ..Settings::new(sample_rate_hz)
         }

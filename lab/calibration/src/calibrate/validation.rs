@@ -78,9 +78,10 @@ pub(super) fn compare(
 ) -> sixaxis_core::Result<ValidationRun> {
     let parameters = decoding.parameters;
     let sensor = trial.sensor(campaign.geometry);
-    let settings = trial.settings(Scheme::HeunSubstepped);
+    let mut settings = trial.settings(Scheme::HeunSubstepped);
     let mut rows = conditioned.voltage_v.clone();
     if let Some(limbs) = &decoding.limbs {
+        settings.rod_mass = limbs.rod_mass;
         let cross_talk = limbs.undone(&sensor, parameters)?;
         for row in &mut rows {
             *row = cross_talk.undo(row);

@@ -67,7 +67,8 @@ pub const PARAMETERS: sixaxis_core::Parameters = sixaxis_core::Parameters {{
 }};
 
 /// From the cube's centre to that of its mass, sensor axes, m; half a limb's mass over the seismic mass; and share of each limb's force
-/// (column) that each channel (row) shows: what `sixaxis_core::CrossTalk` undoes before the decoupler.
+/// (column) that each channel (row) shows: what `sixaxis_core::CrossTalk` undoes before the decoupler, and `ROD_MASS` is
+/// `sixaxis_core::Settings::rod_mass` besides.
 pub const MASS_CENTRE_M: [f64; 3] = {mass_centre_m:?};
 pub const ROD_MASS: f64 = {rod_mass:?};
 pub const CROSS_TALK: [[f64; {LIMBS}]; {LIMBS}] = {cross_talk:?};
