@@ -121,7 +121,6 @@ impl Chosen {
             reservations.extend(contradiction(&joint.misfit).map(|said| said + advice));
             reservations.extend(beyond_certificate(&joint.gain));
             reservations.extend(joint.odd_mass_centre());
-            reservations.extend(joint.heavy_limbs());
         }
         if self.fell_back {
             let joint = self.estimate.joint.as_ref().map_err(String::as_str);

@@ -1,6 +1,8 @@
 //! The limbs and channels that the fit found, as a calibration keeps them.
 
-use sixaxis_core::identify::joint::unknowns::{MASS_PER_SCALE, ROD_MASS, STIFFNESS, Unknowns};
+use sixaxis_core::identify::joint::unknowns::{
+    MASS_CENTRE, MASS_PER_SCALE, ROD_MASS, STIFFNESS, Unknowns,
+};
 
 use super::JointReport;
 use crate::calibration::CalibratedLimbs;
@@ -32,8 +34,8 @@ impl JointReport {
         };
         CalibratedLimbs {
             stiffness_ratio,
-            mass_centre_m: unknowns.mass_centre_m().to_array(),
-            rod_mass: unknowns.values[ROD_MASS],
+            mass_centre_m: core::array::from_fn(|axis| self.at_known_gain(MASS_CENTRE + axis)),
+            rod_mass: self.at_known_gain(ROD_MASS),
             cross_talk: core::array::from_fn(|into| {
                 core::array::from_fn(|from| {
                     if into == from {

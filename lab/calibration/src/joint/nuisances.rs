@@ -133,13 +133,19 @@ impl JointReport {
         self.gain.deviation() < TOLD * self.gain.limit / 3.0_f64.sqrt()
     }
 
-    /// An unknown at the accelerometer's gain as it is known; none if it was held.
+    /// An unknown at the accelerometer's gain as it is known.
+    pub(super) fn at_known_gain(&self, unknown: usize) -> f64 {
+        let slope = self.estimate.by_accelerometer_gain[unknown];
+        let moved = self.gain.mean() - self.estimate.accelerometer_gain_held();
+        self.estimate.unknowns.values[unknown] + moved * slope
+    }
+
+    /// The same with its deviation; none if it was held.
     fn found(&self, unknown: usize) -> Option<Known> {
         let variance = self.estimate.covariance[(unknown, unknown)];
         let slope = self.estimate.by_accelerometer_gain[unknown];
-        let moved = self.gain.mean() - self.estimate.accelerometer_gain_held();
         (variance > 0.0).then(|| Known {
-            value: self.estimate.unknowns.values[unknown] + moved * slope,
+            value: self.at_known_gain(unknown),
             deviation: (self.misfit.wider() * variance.sqrt()).hypot(self.gain.deviation() * slope),
         })
     }

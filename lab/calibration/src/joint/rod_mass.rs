@@ -8,21 +8,14 @@
 use sixaxis_core::identify::joint::estimate::JointEstimate;
 use sixaxis_core::identify::joint::unknowns::ROD_MASS;
 
-use super::JointReport;
 use super::account::SIGNIFICANT;
 
 /// How heavy limbs may be, half of one over the seismic mass, a standard deviation.
-pub(super) const DEVIATION: f64 = 4e-3;
+pub(super) const DEVIATION: f64 = 2e-2;
 /// What limbs weigh that weigh anything, half of one over the seismic mass.
 const LEAST: f64 = 2e-5;
 /// Spread of what channels apart show of each other from which on it is worth another fit.
 const WORTH_A_FIT: f64 = 3e-5;
-/// Largest angular acceleration that is decoupled for the square of a rate alone, over that square, for limbs of which half of one weighs what the
-/// seismic mass does: of the paper's drawing, over all axes.
-const ANGULAR_OVER_SQUARE: f64 = 1.63;
-/// Rate at which a user is told of it, rad/s.
-const RATE_RAD_S: f64 = 3.0;
-
 /// Whether a fit's cross-talk may be limbs with mass.
 pub(super) fn may_be(held: &JointEstimate) -> bool {
     held.spreads.cross_talk_apart > WORTH_A_FIT
@@ -32,17 +25,4 @@ pub(super) fn may_be(held: &JointEstimate) -> bool {
 pub(super) fn is_told(free: &JointEstimate) -> bool {
     let deviation = free.covariance[(ROD_MASS, ROD_MASS)].sqrt();
     free.unknowns.values[ROD_MASS] > LEAST.max(SIGNIFICANT * deviation)
-}
-
-impl JointReport {
-    /// That limbs were found to have mass, and what decoupling does not take off of it.
-    pub fn heavy_limbs(&self) -> Option<String> {
-        let share = self.nuisances().room.rod_mass?.value;
-        let left_rad_s2 = ANGULAR_OVER_SQUARE * share * RATE_RAD_S * RATE_RAD_S;
-        Some(format!(
-            "the limbs have mass, half of one is {:.3} % of the seismic mass: the parameters take it into account, and decoupling does but for what the square of \
-             the rate makes of it, up to {left_rad_s2:.1e} rad/s² at {RATE_RAD_S} rad/s, which rate and attitude add up; hold decoupled runs against the standards",
-            100.0 * share
-        ))
-    }
 }

@@ -182,9 +182,10 @@ fn nuisances(joint: &JointReport) -> Table {
     });
     let rod_mass = found.room.rod_mass.into_iter().map(|rods| {
         let name = "half a limb's mass over the seismic mass".to_owned();
-        let remark =
-            "taken into account when decoupling, but for what the square of the rate makes of it";
-        (name, told(rods, 100.0, "%", remark))
+        (
+            name,
+            told(rods, 100.0, "%", "taken into account when decoupling"),
+        )
     });
     let of_the_mass = mass_centre.chain(rod_mass);
     Table::grouped("instrument, room or wedge")
