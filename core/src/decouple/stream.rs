@@ -70,8 +70,8 @@ impl Decoupler {
     /// Prepares a decoupler.
     ///
     /// # Errors
-    /// Those of [`Model::new`]; [`Error::NotConverged`] if gravity finds no equilibrium or an inertia no principal axes;
-    /// [`Error::OutOfRange`] for sizes, each sound by itself, whose products overflow or vanish.
+    /// Those of [`Model::new`]; [`crate::Error::NotConverged`] if gravity finds no equilibrium or an inertia no principal axes;
+    /// [`crate::Error::OutOfRange`] for sizes, each sound by itself, whose products overflow or vanish.
     pub fn new(sensor: &Sensor, parameters: &Parameters, settings: &Settings) -> Result<Self> {
         Self::build(sensor, parameters, settings)
     }
@@ -130,8 +130,8 @@ impl<T: Scalar> Decoupler<T> {
     /// Takes the next nine voltages and returns the sample before them, once there are three.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] and [`Error::Overstrained`] name channel and sample; [`Error::LimbsDoNotMeet`] and
-    /// [`Error::NotConverged`] for forces that no assembled sensor can carry; [`Error::Overflow`] for a rate whose answer
+    /// [`crate::Error::NotFinite`] and [`crate::Error::Overstrained`] name channel and sample; [`crate::Error::LimbsDoNotMeet`] and
+    /// [`crate::Error::NotConverged`] for forces that no assembled sensor can carry; [`crate::Error::Overflow`] for a rate whose answer
     /// is not a finite number. The decoupler is unchanged by a refused sample: a rate that has run away is refused for good.
     // Always: left to itself the compiler calls it, and the answer goes by memory.
     #[inline(always)]

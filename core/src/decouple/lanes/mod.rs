@@ -72,6 +72,9 @@ pub fn push_lanes(
     sink: Sink<'_>,
 ) -> core::result::Result<(), Refused> {
     assert_in_step(streams, &voltage_v);
+    if streams.iter().any(Decoupler::has_limb_mass) {
+        return push_each(streams, &voltage_v, sink);
+    }
     if streams.iter().all(|stream| stream.mask.all()) {
         Arch::new().dispatch(Push::<false> {
             streams,
@@ -100,6 +103,9 @@ pub fn push_lanes_portable(
     sink: Sink<'_>,
 ) -> core::result::Result<(), Refused> {
     assert_in_step(streams, &voltage_v);
+    if streams.iter().any(Decoupler::has_limb_mass) {
+        return push_each(streams, &voltage_v, sink);
+    }
     if streams.iter().all(|stream| stream.mask.all()) {
         let job = Push::<false> {
             streams,
@@ -163,13 +169,12 @@ fn push<R: Register, const EXCLUDING: bool>(
     let mut at = 0;
     let samples = voltage_v[0].len();
     let mut chunk = Chunk::<R, EXCLUDING>::new(proof, streams);
-    let massless = !streams.iter().any(Decoupler::has_limb_mass);
     while at < samples {
-        let started = massless && streams[0].received() >= 3;
+        let started = streams[0].received() >= 3;
         if started {
             at += chunk.decode_all(streams, &voltage_v.map(|rows| &rows[at..]), sink);
         }
-        // The start of the streams, limbs with mass, the rest, and a chunk that is not for the series.
+        // The start of the streams, the rest, and a chunk that is not for the series.
         let length = (samples - at).min(if started { CHUNK } else { 1 });
         let rows = voltage_v.map(|rows| &rows[at..at + length]);
         push_each(streams, &rows, sink)?;
