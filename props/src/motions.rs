@@ -14,6 +14,8 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use sixaxis_core::decouple::stream::Decoupler;
+use sixaxis_core::redundancy::fault::Watch;
+use sixaxis_core::redundancy::tolerant::{FaultTolerant, ROWS_KEPT};
 use sixaxis_core::{
     CrossTalk, Geometry, LIMBS, Parameters, Scheme, Sensor, Settings, SixAxis, StaticResponse,
 };
@@ -154,6 +156,44 @@ impl Case {
         }
     }
 
+    fn settings(&self, scheme: Scheme, rod_mass: f64) -> Settings {
+        Settings {
+            scheme,
+            static_response: self.static_response,
+            gravity_ground_m_s2: self.gravity_ground_m_s2,
+            rod_mass,
+            ..Settings::new(self.sample_rate_hz())
+        }
+    }
+
+    /// Whether a monitor that takes limbs to have this mass is alarmed by sound ones, at a thousandth of the peak of noise.
+    ///
+    /// # Panics
+    /// If the decoupler refuses.
+    pub fn alarms(&self, recorded: &Recorded, rod_mass: f64) -> bool {
+        let peak_v = largest(recorded.voltage_v.as_flattened().iter().copied());
+        let watch = Watch::exact(1.0, [1e-3 * peak_v; LIMBS]);
+        let settings = self.settings(Scheme::Heun, rod_mass);
+        let rows = vec![[0.0; LIMBS]; ROWS_KEPT];
+        let mut stream =
+            FaultTolerant::new(&recorded.sensor, &self.parameters, &settings, &watch, rows)
+                .expect("a random sensor is a sound one")
+                .with_cross_talk(self.of_rods(&recorded.sensor));
+        let mut events = recorded.voltage_v.iter().map(|row| {
+            let watched = stream.push(row).expect("a simulated sample");
+            watched.event.is_some()
+        });
+        events.any(|alarmed| alarmed)
+    }
+
+    fn of_rods(&self, sensor: &Sensor) -> Option<CrossTalk> {
+        let none = [[0.0; LIMBS]; LIMBS];
+        (self.rod_mass > 0.0).then(|| {
+            CrossTalk::new(sensor, &self.parameters, &none, [0.0; 3], self.rod_mass)
+                .expect("limbs lighter than the mass")
+        })
+    }
+
     /// Decouples what was recorded; what limbs with mass show of the square of the rate is taken off for limbs of this mass.
     ///
     /// # Panics
@@ -164,19 +204,9 @@ impl Case {
             voltage_v,
             truth,
         } = recorded;
-        let settings = Settings {
-            scheme,
-            static_response: self.static_response,
-            gravity_ground_m_s2: self.gravity_ground_m_s2,
-            rod_mass,
-            ..Settings::new(self.sample_rate_hz())
-        };
+        let settings = self.settings(scheme, rod_mass);
         let parameters = &self.parameters;
-        let none = [[0.0; LIMBS]; LIMBS];
-        let of_rods = (self.rod_mass > 0.0).then(|| {
-            CrossTalk::new(&sensor, parameters, &none, [0.0; 3], self.rod_mass)
-                .expect("limbs lighter than the mass")
-        });
+        let of_rods = self.of_rods(&sensor);
         let mut decoupler =
             Decoupler::new(&sensor, parameters, &settings).expect("a random sensor is a sound one");
         let mut ours = Vec::with_capacity(voltage_v.len());

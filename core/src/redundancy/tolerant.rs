@@ -88,7 +88,8 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         })
     }
 
-    /// Undoes cross-talk before a row is decoded. The monitor sees the rows as they are.
+    /// Undoes cross-talk before a row is decoded. The monitor sees the rows as they are, but for what limbs with mass show of the square of
+    /// the rate.
     #[must_use]
     pub fn with_cross_talk(mut self, cross_talk: Option<CrossTalk>) -> Self {
         self.cross_talk = cross_talk;
@@ -128,7 +129,10 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         voltage_v: &[f64; LIMBS],
         filtered_v: &[f64; LIMBS],
     ) -> Result<Watched> {
-        let event = self.monitor.push(voltage_v);
+        let event = match self.decoupler.as_without_limb_mass(voltage_v) {
+            None => self.monitor.push(voltage_v),
+            Some(row) => self.monitor.push(&row),
+        };
         self.answer(event, filtered_v)
     }
 
@@ -141,7 +145,10 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         voltage_v: &[f64; LIMBS],
         filtered_v: &[f64; LIMBS],
     ) -> Result<Watched> {
-        let event = self.monitor.pass_over(voltage_v);
+        let event = match self.decoupler.as_without_limb_mass(voltage_v) {
+            None => self.monitor.pass_over(voltage_v),
+            Some(row) => self.monitor.pass_over(&row),
+        };
         self.answer(event, filtered_v)
     }
 

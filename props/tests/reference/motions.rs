@@ -70,6 +70,13 @@ fn ref_limbs_with_mass_are_decoupled() {
             .beyond(by_step + in_the_shell)
             .judge();
     }
+    let alarmed = |taken: fn(&Case) -> f64| {
+        let cases = played.par_iter();
+        let alarmed = cases.filter(|(case, _)| case.alarms(&case.recorded(1), taken(case)));
+        alarmed.count()
+    };
+    assert_eq!(alarmed(|case| case.rod_mass), 0);
+    assert!(alarmed(|_| 0.0) > played.len() / 2);
     let left_on = largest(played.iter().map(|(_, [_, _, left_on])| *left_on));
     fails_clearly("limbs with mass, the rate's square left on", left_on, limit);
 }

@@ -24,6 +24,8 @@ const BROKEN: f64 = 2.0 * COORDINATION_LIMIT;
 /// of cross-talk: 0.014 at worst, with cross-talk left in. A gain off by a factor of two in one channel of three runs: 0.016 to 0.62, above the limit in 53 of
 /// 54.
 const BROKEN_OWN: f64 = 0.03;
+/// What limbs with mass leave of a sum by the square of the rate, over half a limb's mass: 3 to 5 in simulated compound runs, which swing by half a turn.
+const OF_LIMB_MASS: f64 = 10.0;
 /// One row in so many is looked at: six instructions a sample, 0.1 % of what `decouple` takes from file to file. A prime, so that
 /// no period of the motion is met in step.
 const THINNED: u64 = 61;
@@ -65,6 +67,8 @@ pub struct Coordination {
     /// Stiffness of each limb over the mean one's, and what breaks sums of forces over these.
     stiffness_ratio: Row,
     limit: f64,
+    /// Part of it that limbs with mass make.
+    of_limb_mass: f64,
     /// Sums of which no limb is excluded, or has been.
     whole: [bool; ROWS],
     /// Variance of each sum that noise alone gives, m^2/s^4.
@@ -100,10 +104,12 @@ impl Coordination {
             Some(limbs) => (limbs.stiffness_ratio, BROKEN_OWN),
             None => ([1.0; LIMBS], BROKEN),
         };
+        let of_limb_mass = OF_LIMB_MASS * setup.rod_mass;
         Self {
             chain,
             stiffness_ratio,
-            limit,
+            limit: limit + of_limb_mass,
+            of_limb_mass,
             whole: [true; ROWS],
             noise,
             samples: 0,
@@ -161,9 +167,14 @@ impl Coordination {
         }
     }
 
+    /// Mean square of the forces' changes, m^2/s^4.
+    fn usual(&self) -> f64 {
+        self.forces.iter().map(|m| m.squares).sum::<f64>() / (LIMBS as f64 * self.rows)
+    }
+
     /// Each sum over four forces of the usual size, were they independent; none where noise alone explains it.
     fn broken_by(&self) -> [Option<f64>; ROWS] {
-        let usual = self.forces.iter().map(|m| m.squares).sum::<f64>() / (LIMBS as f64 * self.rows);
+        let usual = self.usual();
         core::array::from_fn(|k| {
             let variance = self.sums[k].squares / self.rows;
             let noise = NOISE_DEVIATIONS * NOISE_DEVIATIONS * self.noise[k];
@@ -181,6 +192,11 @@ impl Coordination {
         let mean_v = self.beginning_v.map(|sum| sum / self.begun as f64);
         let force = self.chain.force_per_mass_m_s2(&mean_v);
         let per_v = self.chain.sensitivity_m_s2_per_v();
+        // A square has a mean, and what is seen of the forces so far may still be nothing.
+        let by_rate = match self.of_limb_mass {
+            0.0 => 0.0,
+            share => share * (4.0 * self.usual()).sqrt(),
+        };
         let of_row = |k: usize| {
             let limbs = COORDINATION[k];
             let over = |of: &dyn Fn(usize) -> f64| limbs.iter().map(|limb| of(*limb)).sum::<f64>();
@@ -189,7 +205,7 @@ impl Coordination {
             let by_noise = MEAN_DEVIATIONS * (self.noise[k] / self.begun as f64).sqrt();
             let one_v = over(&|limb| per_v[limb].powi(2)).sqrt();
             let off_v = sum.abs() / one_v;
-            let limit = by_limbs + by_noise + ZEROS * self.full_scale_v * one_v;
+            let limit = by_limbs + by_rate + by_noise + ZEROS * self.full_scale_v * one_v;
             (self.whole[k] && sum.abs() > limit).then_some((limbs, off_v))
         };
         let off = (0..ROWS).filter_map(of_row);
