@@ -196,8 +196,14 @@ impl<T: Scalar> Decoupler<T> {
     #[cold]
     #[inline(never)]
     pub(super) fn push_checked(&mut self, voltage_v: &[T; LIMBS]) -> Result<Option<Answer<T>>> {
-        let without_limb_mass = self.as_without_limb_mass(voltage_v);
-        let voltage_v = without_limb_mass.as_ref().unwrap_or(voltage_v);
+        let without_limb_mass;
+        let voltage_v = match &self.shown_of_rate {
+            None => voltage_v,
+            Some(shown) => {
+                without_limb_mass = self.without_limb_mass(shown, voltage_v);
+                &without_limb_mass
+            }
+        };
         let mut after = self.place(voltage_v);
         if !in_range(&after) {
             after = self.place_exactly(voltage_v, self.state.received)?;

@@ -129,10 +129,14 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         voltage_v: &[f64; LIMBS],
         filtered_v: &[f64; LIMBS],
     ) -> Result<Watched> {
-        let event = match self.decoupler.as_without_limb_mass(voltage_v) {
-            None => self.monitor.push(voltage_v),
-            Some(row) => self.monitor.push(&row),
+        let without_limb_mass;
+        let seen_v = if self.decoupler.has_limb_mass() {
+            without_limb_mass = self.decoupler.as_without_limb_mass(voltage_v);
+            &without_limb_mass
+        } else {
+            voltage_v
         };
+        let event = self.monitor.push(seen_v);
         self.answer(event, filtered_v)
     }
 
@@ -145,10 +149,7 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         voltage_v: &[f64; LIMBS],
         filtered_v: &[f64; LIMBS],
     ) -> Result<Watched> {
-        let event = match self.decoupler.as_without_limb_mass(voltage_v) {
-            None => self.monitor.pass_over(voltage_v),
-            Some(row) => self.monitor.pass_over(&row),
-        };
+        let event = (self.monitor).pass_over(&self.decoupler.as_without_limb_mass(voltage_v));
         self.answer(event, filtered_v)
     }
 

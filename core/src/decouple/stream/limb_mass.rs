@@ -50,14 +50,16 @@ impl<T: Scalar> Decoupler<T> {
         self.shown_of_rate.is_some()
     }
 
-    /// [`Self::without_limb_mass`] where limbs have mass.
-    #[inline(always)]
-    pub(crate) fn as_without_limb_mass(&self, voltage_v: &[T; LIMBS]) -> Option<[T; LIMBS]> {
-        let shown = self.shown_of_rate.as_ref()?;
-        Some(self.without_limb_mass(shown, voltage_v))
+    /// The next row as limbs without mass would show it.
+    #[inline(never)]
+    pub(crate) fn as_without_limb_mass(&self, voltage_v: &[T; LIMBS]) -> [T; LIMBS] {
+        match &self.shown_of_rate {
+            None => *voltage_v,
+            Some(shown) => self.without_limb_mass(shown, voltage_v),
+        }
     }
 
-    /// The next row as limbs without mass would show it. Where the rate has run away nothing is taken off.
+    /// The same of limbs that have mass. Where the rate has run away nothing is taken off.
     #[inline(never)]
     pub(super) fn without_limb_mass(
         &self,
