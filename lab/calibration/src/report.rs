@@ -11,7 +11,7 @@ use sixaxis_recordings::session::Role;
 pub enum Grade {
     /// Use it.
     Good,
-    /// Nothing is known to be wrong, but something that would prove it is missing.
+    /// Nothing wrong was named, and something is left open: evidence that is missing, or trials that no fit accounts for.
     Reserved,
     /// Do not use it.
     Bad,

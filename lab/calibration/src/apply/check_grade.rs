@@ -12,7 +12,7 @@ pub fn check_grade(name: &str, calibration: &Calibration, force: bool) -> Result
     match calibration.verdict {
         Grade::Good => Ok(None),
         Grade::Reserved => Ok(Some(format!(
-            "{name}: its verdict is \"good with reservations\": nothing is known to be wrong, but something that would prove it is missing"
+            "{name}: its verdict is \"good with reservations\": nothing wrong was named, and its page says what is left open, which deviations need not contain"
         ))),
         Grade::Bad => {
             let findings: Vec<String> = calibration

@@ -93,7 +93,7 @@ fn tiles(limits: &Limits, calibrated: &CalibratedSession) -> Vec<Tile> {
         Grade::Reserved => (
             "Good, reserved",
             format!(
-                "nothing is wrong; {} left open",
+                "nothing wrong was named; {} left open",
                 labels::count(calibrated.reservations.len(), "point", "points")
             ),
             State::Warn,
