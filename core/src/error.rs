@@ -207,6 +207,8 @@ pub enum Error {
         iterations: usize,
         /// Root mean square of what it leaves, over that of noise.
         over_noise: f64,
+        /// Residuals less unknowns.
+        degrees_of_freedom: usize,
     },
     /// An iteration did not settle within its cap.
     #[error("{what} did not converge in {iterations} iterations")]
@@ -225,11 +227,13 @@ impl Error {
         what: &'static str,
         iterations: usize,
         over_noise: f64,
+        degrees_of_freedom: usize,
     ) -> Self {
         Self::Unaccounted {
             what,
             iterations,
             over_noise,
+            degrees_of_freedom,
         }
     }
 

@@ -9,6 +9,7 @@
 //! | [`compound_runs`] | what they show of travelling and of turning: whether linear and angular trials were scaled alike |
 //! | [`failing_run`] | why one of them fails |
 //! | [`choice`] | the parameters of the estimator that was asked for |
+//! | [`disagreement`] | what the four steps' parameters are uncertain by because the joint fit says otherwise |
 //! | [`covariance`], [`file`](mod@file) | what is written of them |
 //!
 //! A calibration is good where nothing was found wrong, every parameter that a rig can determine is determined, trials that were
@@ -20,6 +21,7 @@ mod cause;
 mod choice;
 mod compound_runs;
 mod covariance;
+mod disagreement;
 mod evidence;
 mod failing_run;
 mod file;
@@ -41,7 +43,7 @@ use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::grade::{JudgedBy, failures, grade, misstated_drives, reservations, worst};
 use crate::iteration::{Criterion, Iteration};
-use crate::joint::JointReport;
+use crate::joint::{JointReport, hypotheses};
 use crate::prepare::PreparedSession;
 use crate::progress::Progress;
 use crate::report::{Estimator, Grade, ParameterReport, TrialReport, ValidationRun};
@@ -233,7 +235,7 @@ pub fn calibrate(
     }
     if let Some(chosen) = &chosen {
         if findings.is_empty() {
-            findings.extend(undetermined(&chosen.parameters));
+            findings.extend(undetermined(chosen));
         }
         findings.extend(chosen.refusal().map(choice::refused));
     }
@@ -351,14 +353,23 @@ fn facts<'a>(session: &'a Session, prepared: &'a PreparedSession) -> Facts<'a> {
 }
 
 /// Parameters other than k/m that the trials do not determine.
-fn undetermined(parameters: &[ParameterReport]) -> Option<Finding> {
-    let open: Vec<Parameter> = parameters
+fn undetermined(chosen: &Chosen) -> Option<Finding> {
+    let open: Vec<Parameter> = chosen
+        .parameters
         .iter()
         .map(|p| (p.parameter, p.determined))
         .filter(|(parameter, determined)| !determined && *parameter != Parameter::Stiffness)
         .map(|(parameter, _)| parameter)
         .collect();
     let names: Vec<String> = open.iter().map(Parameter::to_string).collect();
+    if !names.is_empty() && chosen.estimate.misfit.is_some_and(|m| m.contradicts()) {
+        let joint = chosen.estimate.joint.as_ref().map_err(String::as_str);
+        return Some(hypotheses::unknown(format!(
+            "{}, so far that the 95 % intervals of {} are wider than the values themselves",
+            hypotheses::contradiction(joint),
+            names.join(", ")
+        )));
+    }
     // No direction loads one limb alone: where one scale factor is open, it is the channel that shows nothing.
     let (cause, channels) = match open[..] {
         [Parameter::Scale(limb)] => (Cause::Unexplained, vec![limb]),

@@ -154,8 +154,8 @@ pub struct Covariance {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PropagatedCovariance {
-    /// Of the noise of the channels and of the standards, propagated through the four steps, or as the joint fit has it. That one contains
-    /// what zeros and sensitivities are off before and after the trials.
+    /// Of the noise of the channels and of the standards, propagated through the four steps and made as wide as trials differ, or as the joint
+    /// fit has it. That one contains what zeros and sensitivities are off before and after the trials.
     pub noise: Vec<Vec<f64>>,
     /// Of the standards' gains, each an even spread over its class.
     pub standards: Vec<Vec<f64>>,

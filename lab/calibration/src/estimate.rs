@@ -7,6 +7,7 @@ use crate::diagnosis::still;
 use crate::error::Result;
 use crate::interval::rest::put_rest;
 use crate::interval::{LeftOut, put_taps, report};
+use crate::joint::misfit::Misfit;
 use crate::joint::{self, JointReport, Knowledge, Loss};
 use crate::prepare::PreparedSession;
 use crate::progress::Progress;
@@ -32,6 +33,8 @@ pub struct Estimate {
     pub knowledge: Knowledge,
     /// The joint fit, which starts from the four steps, or why it refuses; parameters that are no sensor's are refused, too.
     pub joint: core::result::Result<JointReport, String>,
+    /// By how much the trials contradict the joint fit's model, whether it was finished or given up; none where it refuses for another reason.
+    pub misfit: Option<Misfit>,
 }
 
 impl Estimate {
@@ -70,15 +73,18 @@ impl Estimate {
         progress.stage("joint fit", 1);
         let mut knowledge = Knowledge::of(session);
         knowledge.take_taps(&taps);
-        let joint = joint::fit(campaign, &steps, &knowledge, loss)
-            .map_err(|error| error.to_string())
-            .and_then(|joint| {
-                joint
-                    .parameters(campaign.design.stiffness_per_mass_per_s2)
-                    .validate()
-                    .map_err(|error| no_sensor(&error))?;
-                Ok(joint)
-            });
+        let joint = joint::fit(campaign, &steps, &knowledge, loss);
+        let misfit = match &joint {
+            Ok(joint) => Some(joint.misfit),
+            Err(refusal) => Misfit::of_refusal(refusal),
+        };
+        let joint = joint.map_err(|error| error.to_string()).and_then(|joint| {
+            joint
+                .parameters(campaign.design.stiffness_per_mass_per_s2)
+                .validate()
+                .map_err(|error| no_sensor(&error))?;
+            Ok(joint)
+        });
         progress.part();
         Ok(Self {
             steps,
@@ -88,6 +94,7 @@ impl Estimate {
             taps,
             knowledge,
             joint,
+            misfit,
         })
     }
 

@@ -204,7 +204,8 @@ pub fn report(
     reports
 }
 
-fn finish(
+/// A report on a parameter whose interval has these parts.
+pub(crate) fn finish(
     parameter: Parameter,
     estimate: f64,
     design: f64,

@@ -208,7 +208,8 @@ pub(super) fn refit(
         if end.outcome != Outcome::Converged {
             let left = campaign.squares_per_degree(&end.at);
             if left > HOPELESS {
-                return Err(Error::unaccounted(WHAT, steps, sqrt(left)));
+                let degrees = campaign.degrees_of_freedom(&end.at);
+                return Err(Error::unaccounted(WHAT, steps, sqrt(left), degrees));
             }
             break;
         }

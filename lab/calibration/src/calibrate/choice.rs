@@ -2,6 +2,7 @@
 
 use sixaxis_core::{Parameter, Parameters};
 
+use super::disagreement::held_against;
 use super::validation::{Decoding, largest_error};
 use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding};
@@ -60,7 +61,9 @@ impl Chosen {
                         estimate.steps.design_stiffness_per_mass_per_s2
                     };
                 }
-                (four_steps.clone(), used)
+                let joint = estimate.joint.as_ref().ok();
+                let held = held_against(four_steps, joint, estimate.misfit.as_ref());
+                (held, used)
             }
         };
         Self {
@@ -124,8 +127,16 @@ impl Chosen {
         }
         if self.fell_back {
             let joint = self.estimate.joint.as_ref().map_err(String::as_str);
+            let wider = self.estimate.misfit.as_ref().map(Misfit::wider);
+            let intervals = match wider {
+                Some(wider) if wider > 1.0 => format!(
+                    "noise counts {wider:.0} times in their intervals and in deviations of what is decoupled"
+                ),
+                Some(_) => "their intervals, and deviations of what is decoupled, contain what the joint fit departs from them by".to_owned(),
+                None => "their intervals, and deviations of what is decoupled, contain the spread among trials, and nothing of what keeps all from being fitted together: open loop what is decoupled may be tens of percent off".to_owned(),
+            };
             reservations.push(format!(
-                "{}: the four steps' parameters are used, and their intervals, which are of the spread among trials, do not contain it, nor do deviations of what is decoupled: open loop that may be tens of percent off",
+                "{}: the four steps' parameters are used, and {intervals}",
                 hypotheses::contradiction(joint)
             ));
         }

@@ -17,6 +17,8 @@
 use sixaxis_core::LIMBS;
 use sixaxis_core::identify::joint::estimate::JointEstimate;
 
+use crate::error::Error;
+
 /// Standard deviations of chi square by which the squares must be too many to be a contradiction.
 const CONTRADICTION: f64 = 5.0;
 /// Squares per degree of freedom below which noise is larger than what it is taken from shows in the drive's band: half of it is none of the
@@ -26,6 +28,9 @@ const FAR_TOO_FEW: f64 = 0.5;
 const HIDDEN_OVER_SHOWN: f64 = 6.0 / 3.0;
 /// s_i/m and I/m.
 const TOLD_BY_FORCES: f64 = (LIMBS + 6) as f64;
+
+/// What limits an interval that is made wider.
+pub const CONTRADICTING: &str = "channels that contradict the model";
 
 /// Squares of the residuals over what noise explains.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +47,24 @@ impl Misfit {
         Self {
             per_degree: estimate.misfit(),
             degrees_of_freedom: estimate.degrees_of_freedom,
+        }
+    }
+
+    /// Of a fit that was given up; none if it refuses for another reason.
+    pub fn of_refusal(refusal: &Error) -> Option<Self> {
+        let Error::Step { source, .. } = refusal else {
+            return None;
+        };
+        match **source {
+            sixaxis_core::Error::Unaccounted {
+                over_noise,
+                degrees_of_freedom,
+                ..
+            } => Some(Self {
+                per_degree: over_noise * over_noise,
+                degrees_of_freedom,
+            }),
+            _ => None,
         }
     }
 

@@ -1,6 +1,7 @@
 //! The joint estimate's 25 in the form that the four steps report them in.
 
 use super::JointReport;
+use super::misfit::CONTRADICTING;
 use crate::interval::{TAP_IT, is_determined};
 use crate::report::ParameterReport;
 use sixaxis_core::Parameter;
@@ -137,7 +138,7 @@ impl JointReport {
                 "certificate of the accelerometer"
             }
         } else if self.misfit.contradicts() {
-            "channels that contradict the model"
+            CONTRADICTING
         } else {
             "noise"
         }

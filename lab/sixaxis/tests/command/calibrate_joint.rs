@@ -23,6 +23,8 @@ const WEDGE_DEG: f64 = 0.05;
 const STIFFNESS_SPREAD: f64 = 0.002;
 /// Share of the force that lags as friction does: soft ceramics.
 const FRICTION: f64 = 3e-3;
+/// Share by which sensitivities rise within a trial.
+const WARMING: f64 = 3e-3;
 /// Share of samples that are wild.
 const WILD: f64 = 0.01;
 /// Class of standards whose certificate is too narrow to cover what wild samples do, %.
@@ -178,6 +180,54 @@ fn ref_channels_that_contradict_the_model_are_a_reservation() {
         &played.truth.parameters,
     );
     assert!(off < HALF_WIDTHS, "{whose} is off by {off} half widths");
+}
+
+/// Sensitivities that rise within each trial contradict the model of both estimators; the four steps' parameters are used, and what is said of
+/// them holds.
+#[test]
+fn ref_trials_that_contradict_each_other_widen_what_is_said_of_the_four_steps() {
+    let mut played = simulate_session(&plan(14)).expect("a session is played");
+    for recording in played.recordings.iter_mut().skip(1) {
+        let rest = recording.voltage_v[0];
+        let samples = recording.voltage_v.len() as f64;
+        for (index, row) in recording.voltage_v.iter_mut().enumerate() {
+            let risen = 1.0 + WARMING * index as f64 / samples;
+            for (reading, rest) in row.iter_mut().zip(rest) {
+                *reading = rest + risen * (*reading - rest);
+            }
+        }
+    }
+    let session = written("warming", &played);
+    let output = calibrate(&session, &[]);
+    let said = stdout(&output);
+    let unwrapped = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(code(&output), 3, "{said}");
+    assert!(unwrapped.contains("noise counts "), "{said}");
+    let found = calibration(&session);
+    assert_eq!(found["estimator"], "four_steps");
+    let truth = &played.truth.parameters;
+    let (off, whose) = worst(&found["intervals"], truth);
+    assert!(off < HALF_WIDTHS, "{whose} is off by {off} half widths");
+    // Of the deviations that decoupling goes by: neither too small, nor so large that they say nothing.
+    let variance = |p: usize| {
+        let parts = ["noise", "standards"].map(|part| {
+            let part = &found["covariance"]["propagated"][part][p][p];
+            part.as_f64().expect("a variance")
+        });
+        parts.into_iter().sum::<f64>()
+    };
+    let scale = 9..18;
+    let over: Vec<f64> = scale
+        .map(|p| {
+            let deviation = variance(p).sqrt();
+            let estimate = found["intervals"][p]["estimate"].as_f64();
+            let estimate = estimate.expect("a number");
+            assert!(deviation < 0.1 * estimate, "{deviation} of {estimate}");
+            (estimate - true_values(truth)[p]) / deviation
+        })
+        .collect();
+    println!("scale factors off by {over:.1?} deviations");
+    assert!(over.iter().all(|off| off.abs() < 3.0), "{over:?}");
 }
 
 #[test]

@@ -1,0 +1,52 @@
+//! What the four steps' parameters are uncertain by because the joint fit of the same trials says otherwise.
+//!
+//! The four steps neglect what limbs differ by and what channels show of each other, and nothing in their own residuals says so. Two estimates
+//! of one quantity leave it at least as uncertain as they differ. Where the trials contradict the joint fit's model, too, their noise is
+//! too little by what its own intervals are made wider ([`Misfit::wider`]). Zeros and k/m have been told by other recordings.
+
+use sixaxis_core::Parameter;
+use sixaxis_core::significance::NORMAL_95;
+
+use crate::interval;
+use crate::joint::JointReport;
+use crate::joint::misfit::{CONTRADICTING, Misfit};
+use crate::report::ParameterReport;
+
+/// What limits a parameter that the joint fit has elsewhere.
+const OTHERWISE: &str = "what the joint fit says otherwise";
+
+/// The four steps' reports with what a joint fit departs from them by, and, whether it was finished or given up, with what it leaves over.
+pub(super) fn held_against(
+    four_steps: &[ParameterReport],
+    joint: Option<&JointReport>,
+    misfit: Option<&Misfit>,
+) -> Vec<ParameterReport> {
+    let wider = misfit.map_or(1.0, Misfit::wider);
+    let held = |(p, own): (usize, &ParameterReport)| {
+        if !matches!(own.parameter, Parameter::Scale(_) | Parameter::Inertia(_)) {
+            return own.clone();
+        }
+        let apart = joint.map_or(0.0, |joint| NORMAL_95 * (own.estimate - joint.values[p]));
+        let noise = own.from_noise.unwrap_or(0.0);
+        let contradiction = noise * (wider * wider - 1.0).sqrt();
+        let (otherwise, spread) = (apart.hypot(contradiction), own.from_trials.unwrap_or(0.0));
+        let mut held = interval::finish(
+            own.parameter,
+            own.estimate,
+            own.design,
+            own.from_noise,
+            Some(spread.hypot(otherwise)),
+            own.from_standards,
+        );
+        if otherwise > spread.max(noise).max(own.from_standards.unwrap_or(0.0)) {
+            let what = if contradiction > apart.abs() {
+                CONTRADICTING
+            } else {
+                OTHERWISE
+            };
+            what.clone_into(&mut held.dominated_by);
+        }
+        held
+    };
+    four_steps.iter().enumerate().map(held).collect()
+}
