@@ -14,7 +14,7 @@ use sixaxis_core::dsp::lag::undo_low_pass;
 use sixaxis_core::dsp::{detrend, each_channel, outlier, stage::whole};
 use sixaxis_core::{LIMBS, Result};
 
-use high_pass::UndoneHighPass;
+use high_pass::{BASELINE, UndoneHighPass};
 pub use stage::Stage;
 
 use crate::trial::Trial;
@@ -144,7 +144,8 @@ impl Conditioning {
                     return Ok(());
                 };
                 each_channel(voltage_v, |series| {
-                    let mut undone = UndoneHighPass::new(corner_hz, trial.sample_rate_hz)?;
+                    let mut undone =
+                        UndoneHighPass::new(corner_hz, trial.sample_rate_hz, BASELINE)?;
                     whole("undone high-pass", &mut undone, series)
                 })?;
             }

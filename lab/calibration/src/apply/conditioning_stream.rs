@@ -19,6 +19,8 @@ use crate::conditioning::Stage;
 use crate::conditioning::high_pass::UndoneHighPass;
 use sixaxis_recordings::session::Outliers;
 
+/// Longest rest whose mean is the level that a high-pass is undone about, s: nothing comes out before it is over.
+pub const LONGEST_REST_S: f64 = 2.0;
 /// Longest lag or lead, samples; a converter's channels are a few samples apart at most.
 const LONGEST_LAG: f64 = 10_000.0;
 
@@ -179,10 +181,11 @@ fn streaming(
             None => None,
         },
         Stage::HighPass => match config.amplifier_high_pass_hz {
-            Some(corner_hz) => Some(Box::new(
-                UndoneHighPass::new(corner_hz, sample_rate_hz)
-                    .context("the amplifier's high-pass")?,
-            )),
+            Some(corner_hz) => Some(Box::new({
+                let longest = (LONGEST_REST_S * sample_rate_hz) as usize;
+                UndoneHighPass::new(corner_hz, sample_rate_hz, longest)
+                    .context("the amplifier's high-pass")?
+            })),
             None => None,
         },
         Stage::LowPass => match config.low_pass_hz {

@@ -12,7 +12,7 @@ use sixaxis_core::{Gains, LIMBS, LimbSet, Parameters, Scheme, Sensor, Settings};
 use sixaxis_recordings::session::{Channels, Entry, SessionFile};
 use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
-use super::conditioning_stream::{self, ConditioningConfig};
+use super::conditioning_stream::{self, ConditioningConfig, LONGEST_REST_S};
 use super::statements::{list, other_signs, overruled, same_sensor, stated_down};
 
 /// What the user says of the recording; each overrules the session, which overrules the calibration.
@@ -155,8 +155,8 @@ impl Setup {
         };
         notes.extend(amplifier_high_pass_hz.map(|corner_hz| {
             format!(
-                "the amplifiers' high-pass of {corner_hz} Hz is undone from {BASELINE} samples at rest, whose noise becomes a ramp: as large as a channel's noise after {:.0} s. No deviation \
-                 knows of it, --watch may take it for a failure, and --aid refuse what contradicts it",
+                "the amplifiers' high-pass of {corner_hz} Hz is undone about the level at rest, whose noise becomes a ramp: as large as a channel's noise after {:.0} s where {BASELINE} samples of rest come first, and after ten times as long where a hundred times as many do \
+                 ({LONGEST_REST_S} s are taken at most). No deviation knows of it, --watch may take it for a failure, and --aid refuse what contradicts it",
                 (BASELINE as f64).sqrt() / (core::f64::consts::TAU * corner_hz)
             )
         }));

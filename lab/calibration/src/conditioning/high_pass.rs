@@ -4,57 +4,162 @@ use sixaxis_core::Result;
 use sixaxis_core::dsp::lag::UndoHighPass;
 use sixaxis_core::dsp::stage::Stage;
 
-/// Samples that the level is the mean of: at rest in any run that begins at rest. What it is off by grows with time, because
+/// Samples that the level is the mean of at least: at rest in any run that begins at rest. What it is off by grows with time, because
 /// undoing a high-pass integrates.
 pub(crate) const BASELINE: usize = 16;
 
-/// One channel's amplifier, undone; the first [`BASELINE`] samples are handed on together.
+/// Standard deviations of its mean by which the next [`BASELINE`] samples are off the level where the rest has ended.
+const DEPARTS: f64 = 4.0;
+
+/// Share of a rest that has ended which is taken: a motion that has just begun may hide in the noise.
+const TAKEN: f64 = 0.75;
+
+/// One channel's amplifier, undone; the samples that the level is taken of are handed on together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UndoneHighPass {
     undo: UndoHighPass,
-    rest: Option<f64>,
-    first: Vec<f64>,
+    level: Option<f64>,
+    beginning: Beginning,
+}
+
+/// The samples at which a record rests before it moves.
+#[derive(Debug, Clone, PartialEq)]
+struct Beginning {
+    longest: usize,
+    samples: Vec<f64>,
+    sum: f64,
+    /// Squares of the steps from sample to sample within [`BASELINE`] samples: each has twice the variance of white noise.
+    steps: f64,
 }
 
 impl UndoneHighPass {
-    /// Of an amplifier with its corner at `corner_hz`.
+    /// Of an amplifier with its corner at `corner_hz`. The level is the mean of the rest that the record begins with, of `longest` samples at
+    /// most and of [`BASELINE`] at least.
     ///
     /// # Errors
     /// [`sixaxis_core::Error::OutOfRange`] unless both frequencies are positive and finite.
-    pub fn new(corner_hz: f64, sample_rate_hz: f64) -> Result<Self> {
+    pub fn new(corner_hz: f64, sample_rate_hz: f64, longest: usize) -> Result<Self> {
         Ok(Self {
             undo: UndoHighPass::new(corner_hz, sample_rate_hz)?,
-            rest: None,
-            first: Vec::with_capacity(BASELINE),
+            level: None,
+            beginning: Beginning {
+                longest,
+                samples: Vec::with_capacity(BASELINE),
+                sum: 0.0,
+                steps: 0.0,
+            },
         })
     }
 
-    fn begin(&mut self, out: &mut Vec<f64>) {
-        let rest = self.first.iter().sum::<f64>() / self.first.len().max(1) as f64;
-        self.rest = Some(rest);
-        let first = core::mem::take(&mut self.first);
-        self.push(&first, out);
+    fn begin(&mut self, at_rest: usize, out: &mut Vec<f64>) {
+        let beginning = core::mem::take(&mut self.beginning.samples);
+        let rest = &beginning[..at_rest];
+        self.level = Some(rest.iter().sum::<f64>() / rest.len().max(1) as f64);
+        self.push(&beginning, out);
+    }
+}
+
+impl Beginning {
+    /// Takes a sample; once the rest has ended, how many samples the level is to be taken of.
+    fn take(&mut self, sample: f64) -> Option<usize> {
+        self.samples.push(sample);
+        let taken = self.samples.len();
+        if !taken.is_multiple_of(BASELINE) {
+            return None;
+        }
+        let before = taken - BASELINE;
+        let block = &self.samples[before..];
+        let sum: f64 = block.iter().sum();
+        let steps = block.windows(2).map(|pair| (pair[1] - pair[0]).powi(2));
+        self.steps += steps.sum::<f64>();
+        if before > 0 {
+            let noise = self.steps / (2 * (taken - taken / BASELINE)) as f64;
+            let spread = noise * ((BASELINE as f64).recip() + (before as f64).recip());
+            let apart = sum / BASELINE as f64 - self.sum / before as f64;
+            // What is no number is no rest.
+            let rests = apart * apart <= DEPARTS * DEPARTS * spread;
+            if !rests {
+                return Some(((TAKEN * before as f64) as usize).max(BASELINE));
+            }
+        }
+        self.sum += sum;
+        (taken + BASELINE > self.longest).then_some(taken)
     }
 }
 
 impl Stage for UndoneHighPass {
     fn push(&mut self, samples: &[f64], out: &mut Vec<f64>) {
-        if let Some(rest) = self.rest {
-            out.extend(samples.iter().map(|x| self.undo.step(x - rest) + rest));
-            return;
-        }
-        let (first, more) = samples.split_at((BASELINE - self.first.len()).min(samples.len()));
-        self.first.extend(first);
-        if self.first.len() == BASELINE {
-            self.begin(out);
-            self.push(more, out);
+        for (index, sample) in samples.iter().enumerate() {
+            if let Some(level) = self.level {
+                let more = samples[index..].iter();
+                out.extend(more.map(|x| self.undo.step(x - level) + level));
+                return;
+            }
+            if let Some(at_rest) = self.beginning.take(*sample) {
+                self.begin(at_rest, out);
+            }
         }
     }
 
     fn finish(&mut self, out: &mut Vec<f64>) -> Result<()> {
-        if self.rest.is_none() {
-            self.begin(out);
+        if self.level.is_none() {
+            let whole_blocks = self.beginning.samples.len() / BASELINE * BASELINE;
+            let taken = (TAKEN * whole_blocks as f64) as usize;
+            let at_rest = taken.max(BASELINE).min(self.beginning.samples.len());
+            self.begin(at_rest, out);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of the rest of a record: noise of 1, evenly distributed, the same on every machine, and from `begins` on a motion.
+    fn record(begins: usize, seed: u64) -> Vec<f64> {
+        let mut state = seed;
+        (0..4000_usize)
+            .map(|k| {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1_442_695_040_888_963_407);
+                let noise = 12.0_f64.sqrt() * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5);
+                let moved = k.saturating_sub(begins) as f64 / 1000.0;
+                0.3 + noise + 400.0 * moved * moved
+            })
+            .collect()
+    }
+
+    fn level(series: &[f64], longest: usize) -> f64 {
+        let mut stage = UndoneHighPass::new(0.1, 1000.0, longest).expect("frequencies");
+        let mut out = Vec::new();
+        for part in series.chunks(7) {
+            stage.push(part, &mut out);
+        }
+        stage.finish(&mut out).expect("an end");
+        assert_eq!(out.len(), series.len());
+        stage.level.expect("known at the end")
+    }
+
+    #[test]
+    fn ref_the_level_is_the_mean_of_the_rest() {
+        let off = |begins: usize, longest: usize| {
+            let squares =
+                (1..=200).map(|seed| (level(&record(begins, seed), longest) - 0.3).powi(2));
+            (squares.sum::<f64>() / 200.0).sqrt()
+        };
+        // Sixteen samples of white noise are off by a quarter of it; a motion from the first sample on hides in the noise for 30.
+        for (begins, longest, at_most) in [
+            (0, 2000, 0.4),
+            (20, 2000, 0.3),
+            (300, 2000, 0.1),
+            (3000, 2000, 0.03),
+            (3000, BASELINE, 0.3),
+        ] {
+            let off = off(begins, longest);
+            assert!(off < at_most, "{begins}, {longest}: {off}");
+        }
+        assert!(off(3000, BASELINE) > 0.2);
     }
 }

@@ -281,7 +281,7 @@ fn inv_a_high_pass_that_is_undone_is_told() {
         stderr(&done(&[&arguments[..], &["--out", &out]].concat()))
     };
     // The root of 16 over the corner in rad/s.
-    let words = "high-pass of 0.1 Hz is undone from 16 samples at rest, whose noise becomes a ramp: as large as a channel's noise after 6 s";
+    let words = "high-pass of 0.1 Hz is undone about the level at rest, whose noise becomes a ramp: as large as a channel's noise after 6 s";
     let undone = said(text(&with));
     assert!(undone.contains(words), "{undone}");
     assert!(!said(&calibration()).contains("high-pass"));
