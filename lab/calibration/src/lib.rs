@@ -11,7 +11,7 @@
 //! | [`conditioning`] | what is done to recordings beforehand, in one order |
 //! | [`drive`] | the frequency that the session states against the one that was recorded |
 //! | `frequency` | the frequency of a drive, as a series shows it |
-//! | `set_aside` | copies of other trials, and trials that are not whole |
+//! | `set_aside` | copies of other trials, trials with absurd readings, and trials that are not whole |
 //! | [`reference_clock`] | standards in files of their own, whose clock runs a little otherwise |
 //! | [`prepare`] | a session's recordings, sorted and conditioned |
 //! | [`response`] | what each channel shows of a known motion |

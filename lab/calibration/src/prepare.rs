@@ -146,6 +146,9 @@ impl PreparedSession {
             }
         }
         let mut findings = set_aside::copies(&mut moving);
+        if conditioning.stages.outliers.settings().is_none() {
+            findings.extend(set_aside::wild_standards(&mut moving));
+        }
         findings.extend(drive::set_aside(&mut moving));
         findings.extend(set_aside::not_whole(&mut moving));
         if let Some(line) = conditioning.stages.detrend.settings() {

@@ -1,10 +1,12 @@
-//! Trials with which nothing can be done, taken out before anything else: copies of others, and those that are not whole.
+//! Trials with which nothing can be done, taken out before anything else: copies of others, those with absurd readings of a standard, and
+//! those that are not whole.
 
 use std::cmp::Ordering;
 use std::collections::HashMap;
 
 use sixaxis_core::LIMBS;
 
+use crate::diagnosis::raw::reads_beyond_converter;
 use crate::drive;
 use crate::finding::{Cause, Finding, unreadable};
 use crate::joint::record;
@@ -12,6 +14,10 @@ use crate::trial::Trial;
 
 /// Rows in a row that two recordings share where one holds a part of the other: noise does not repeat itself.
 const SHARED: usize = 32;
+/// Part of a wild reading that hardly any other reaches.
+const HUNDREDTH: f64 = 0.01;
+/// Readings of a trial up to which they are single ones.
+const SINGLE: usize = 3;
 /// Share of the trials up to which those that do not end where they began are the exception.
 const FEW: f64 = 0.25;
 
@@ -93,9 +99,49 @@ fn middle(trial: &Trial) -> Option<&[[f64; LIMBS]]> {
     (rows.first() != rows.last()).then_some(rows)
 }
 
+/// Takes out trials in which single readings of a standard dwarf all others: of what moves or makes noise many come near the largest.
+pub(crate) fn wild_standards(trials: &mut Vec<Trial>) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    trials.retain(|trial| {
+        let standards = [
+            ("accelerometer", &trial.accelerometer_m_s2),
+            ("gyroscope", &trial.gyroscope_rad_s),
+        ];
+        let wild = standards
+            .into_iter()
+            .find_map(|(name, series)| Some((name, series, wild(series)?)));
+        let Some((standard, series, sample)) = wild else {
+            return true;
+        };
+        let evidence = format!(
+            "the {standard}'s reading of {:.1e} at sample {sample} is more than a hundred times all but a few others",
+            series[sample]
+        );
+        let advice = "mend such readings in the file, or take single wild ones out with [preprocessing] outliers";
+        unreadable(&mut findings, &trial.name, &evidence, advice);
+        false
+    });
+    findings
+}
+
+/// The sample of a series' largest reading, if only a few of the others reach a hundredth of it. A coarse converter at rest reads zero but
+/// for single steps: of a series that is mostly zero nothing is said.
+fn wild(series: &[f64]) -> Option<usize> {
+    let sizes = series.iter().map(|reading| reading.abs());
+    let (sample, largest) = sizes
+        .clone()
+        .enumerate()
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let near = sizes.filter(|size| *size > HUNDREDTH * largest).count();
+    let reading = series.iter().filter(|reading| **reading != 0.0).count();
+    (near <= SINGLE && 2 * reading > series.len() && reading > SINGLE * SINGLE).then_some(sample)
+}
+
 /// Takes out the few trials that do not end where they began, where all others do. Where many do not, that is how they were recorded.
 pub(crate) fn not_whole(trials: &mut Vec<Trial>) -> Option<Finding> {
-    let jump = |trial: &Trial| match record(trial)?.closes() {
+    // One voltage that none can be hides where the motion begins and ends; it has a finding of its own.
+    let sane = |trial: &&Trial| !reads_beyond_converter(trial);
+    let jump = |trial: &Trial| match record(Some(trial).filter(sane)?)?.closes() {
         Err(sixaxis_core::Error::NotClosed { jump_over_step, .. }) => Some(jump_over_step),
         _ => None,
     };

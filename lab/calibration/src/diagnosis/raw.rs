@@ -147,6 +147,12 @@ fn clipping(trial: &Trial, channel: usize, how: Clipping) -> Finding {
     finding.in_trial(trial).on_channels([channel])
 }
 
+/// Whether a trial holds a voltage that no converter of the stated range delivers.
+pub(crate) fn reads_beyond_converter(trial: &Trial) -> bool {
+    let limit_v = BEYOND * trial.full_scale_v;
+    trial.voltage_v.iter().flatten().any(|u| u.abs() > limit_v)
+}
+
 /// Values that no converter of the stated range delivers: they are in another unit than the file or the session says, or times a
 /// factor. Returns the channels concerned.
 fn beyond_converter(

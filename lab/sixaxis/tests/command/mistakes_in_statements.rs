@@ -320,18 +320,50 @@ fn neg_an_odd_recording_is_told_by_what_the_others_agree_on() {
     ]);
 }
 
+/// However large: one that dwarfs the motion hides where it begins and ends, and the trial is whole all the same.
 #[test]
 fn neg_a_wild_cell_is_told_by_its_sample() {
-    let at = std::cell::Cell::new(0);
-    rewritten("linear-04.csv", "wild.csv", |row| {
-        if at.replace(at.get() + 1) == 498 {
-            row[3] = 3125.0;
-        }
-    });
-    let (code, said) = calibrated("wild", |s| s.replace("linear-04.csv", "wild.csv"));
-    assert_eq!(code, 4, "{said}");
-    let words = "voltages up to 3125.0 V from a converter that ends at 10 V, in 1 of all samples, the first of them sample 498 of wild.csv";
-    assert!(said.contains(words), "{said}");
+    for (name, volts, in_words) in [("wild", 3125.0, "3125.0"), ("wilder", 1e30, "1e30")] {
+        let at = std::cell::Cell::new(0);
+        let file = format!("{name}.csv");
+        rewritten("linear-04.csv", &file, |row| {
+            if at.replace(at.get() + 1) == 498 {
+                row[3] = volts;
+            }
+        });
+        let (code, said) = calibrated(name, |s| s.replace("linear-04.csv", &file));
+        assert_eq!(code, 4, "{said}");
+        let words = format!(
+            "recording cannot be used: {file}; channel 4 voltages up to {in_words} V from a converter that ends at 10 V, in 1 of all samples, the first of them sample 498 of {file}"
+        );
+        assert!(said.contains(&words), "{said}");
+        assert!(!said.contains("not whole"), "{said}");
+    }
+}
+
+#[test]
+fn neg_a_wild_reading_of_a_standard_is_told_by_its_sample() {
+    for (recording, column, standard) in [
+        ("linear-04.csv", 9, "accelerometer"),
+        ("angular-03.csv", 10, "gyroscope"),
+        ("compound-01.csv", 10, "gyroscope"),
+    ] {
+        let at = std::cell::Cell::new(0);
+        let name = format!("wild-{standard}-{}", &recording[..6]);
+        let file = format!("{name}.csv");
+        rewritten(recording, &file, |row| {
+            if at.replace(at.get() + 1) == 498 {
+                row[column] = -1e30;
+            }
+        });
+        let (code, said) = calibrated(&name, |s| s.replace(recording, &file));
+        assert_eq!(code, 4, "{said}");
+        let words = format!(
+            "recording cannot be used: {file} the {standard}'s reading of -1.0e30 at sample 498 is more than a hundred times"
+        );
+        assert!(said.contains(&words), "{said}");
+        assert!(!said.contains("not excited"), "{said}");
+    }
 }
 
 #[test]
