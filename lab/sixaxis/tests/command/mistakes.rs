@@ -342,6 +342,22 @@ pub fn with_entry(session: &str, recording: &str, change: impl Fn(&str) -> Strin
     entries.collect::<Vec<_>>().join("[[recording]]")
 }
 
+/// The vectors of this key, the other way round.
+pub fn reversed(session: &str, key: &str) -> String {
+    let begins = format!("{key} = [");
+    let lines = session
+        .lines()
+        .map(|line| match line.strip_prefix(&begins) {
+            Some(vector) => {
+                let numbers = vector.trim_end_matches(']').split(',');
+                let turned = numbers.map(|x| -x.trim().parse::<f64>().expect("a number"));
+                format!("{key} = {:?}\n", turned.collect::<Vec<f64>>())
+            }
+            None => format!("{line}\n"),
+        });
+    lines.collect()
+}
+
 /// A line of an entry.
 fn line_of<'a>(session: &'a str, recording: &str, key: &str) -> &'a str {
     let entry = session

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::fs;
 
-use crate::mistakes::{calibrated, rewritten, with_entry};
+use crate::mistakes::{calibrated, reversed, rewritten, with_entry};
 use crate::program::{code, run, stderr, stdout, text};
 use crate::self_calibrate::day;
 
@@ -181,27 +181,9 @@ fn neg_recordings_that_stand_for_each_other_are_told() {
 #[test]
 fn neg_a_gyroscope_that_turns_the_other_way_is_told() {
     let (code, said) = calibrated("gyroscope-reversed", |s| {
-        let entries =
-            s.split("[[recording]]")
-                .map(|entry| match entry.contains("role = \"angular\"") {
-                    true => entry
-                        .lines()
-                        .map(|line| match line.strip_prefix("direction = ") {
-                            Some(direction) => {
-                                let numbers = direction.trim_matches(['[', ']']).split(',');
-                                let turned: Vec<String> = numbers
-                                    .map(|x| {
-                                        (-x.trim().parse::<f64>().expect("a number")).to_string()
-                                    })
-                                    .collect();
-                                format!("direction = [{}]\n", turned.join(", "))
-                            }
-                            None => format!("{line}\n"),
-                        })
-                        .collect(),
-                    false => entry.to_owned(),
-                });
-        entries.collect::<Vec<String>>().join("[[recording]]")
+        with_entry(s, "role = \"angular\"", |entry| {
+            reversed(entry, "direction")
+        })
     });
     assert!(matches!(code, 1 | 4), "{said}");
     assert!(

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::fs;
 use std::process::Output;
 
-use crate::mistakes::{calibrated, calibrated_in, rewritten, rewritten_in, with_entry};
+use crate::mistakes::{calibrated, calibrated_in, reversed, rewritten, rewritten_in, with_entry};
 use crate::program::{Folder, code, fed, gains, run, simulated, stderr, stdout, text};
 use crate::self_calibrate::day;
 use sixaxis_core::LIMBS;
@@ -440,17 +440,7 @@ fn neg_down_that_is_up_is_told() {
     let level = Folder::new("level-day");
     let simulated = run(&["simulate", "--plan", &plan, "--out", text(&level)]);
     assert_eq!(code(&simulated), 0, "{}", stderr(&simulated));
-    let (code, said) = calibrated_in(&level, "upside-down", |s| {
-        let lines = s.lines().map(|line| match line.strip_prefix("down = [") {
-            Some(down) => {
-                let down = down.trim_end_matches(']').split(", ");
-                let turned = down.map(|x| format!("{}", -x.parse::<f64>().expect("a number")));
-                format!("down = [{}]", turned.collect::<Vec<_>>().join(", "))
-            }
-            None => line.to_owned(),
-        });
-        lines.map(|line| line + "\n").collect()
-    });
+    let (code, said) = calibrated_in(&level, "upside-down", |s| reversed(s, "down"));
     assert_eq!(code, 4, "{said}");
     assert!(
         said.contains("Not good: gravity not handled.")
@@ -467,6 +457,26 @@ fn neg_down_that_is_up_is_told() {
             && said.contains("state where down was with `down`"),
         "{said}"
     );
+    // A weight that turns is not reversed with a standard.
+    for (name, role, standard) in [
+        (
+            "gyroscope-reversed",
+            "\"angular\"",
+            "the standard gyroscope",
+        ),
+        (
+            "all-reversed",
+            "",
+            "both standards, or all directions but `down`,",
+        ),
+    ] {
+        let (code, said) = calibrated_in(&level, name, |s| {
+            with_entry(s, role, |entry| reversed(entry, "direction"))
+        });
+        assert!(matches!(code, 1 | 4), "{said}");
+        let words = format!("with {standard} reversed all trials agree");
+        assert!(said.contains(&words), "{said}");
+    }
 }
 
 #[test]

@@ -54,6 +54,8 @@ const OF_A_STEP: [Trials; 4] = [
 enum Stated {
     Accelerometer,
     Gyroscope,
+    /// Both standards the other way round, or all directions, and down is right.
+    Standards,
     /// Gains are one over the stated ones.
     Gains,
     /// Up is what is called down.
@@ -103,6 +105,10 @@ impl Stated {
         match self {
             Self::Accelerometer => turn(&mut trial.accelerometer_m_s2),
             Self::Gyroscope => turn(&mut trial.gyroscope_rad_s),
+            Self::Standards => {
+                turn(&mut trial.accelerometer_m_s2);
+                turn(&mut trial.gyroscope_rad_s);
+            }
             Self::Gains => {
                 trial.gains.gain_n_per_v = trial.gains.gain_n_per_v.map(f64::recip);
             }
@@ -124,6 +130,7 @@ impl Stated {
         let turned = match self {
             Self::Accelerometer => matches!(role, Role::Linear | Role::HighFrequencyLinear),
             Self::Gyroscope => role == Role::Angular,
+            Self::Standards => true,
             Self::Gains => return stated.gain_n_per_v.map(|gain| 1.0 / (gain * gain)),
             Self::Down | Self::Directions(..) | Self::Turned(_) => false,
         };
@@ -142,6 +149,12 @@ impl Stated {
                 "the standard gyroscope reversed".to_owned(),
                 "turn the gyroscope round, or the sign of its column in the files; if it is right, turn the directions of the angular \
                  trials round"
+                    .to_owned(),
+            ),
+            Self::Standards => (
+                Cause::WrongScaling,
+                "both standards, or all directions but `down`, reversed".to_owned(),
+                "turn both standards round, or the signs of their columns in the files; if they are right, turn all directions round, and leave `down` as it is"
                     .to_owned(),
             ),
             Self::Gains => (
@@ -216,10 +229,27 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
         let mut best = worth_a_fit.into_iter().take(TRIED);
         best.find_map(|(_, stated, table)| accounts(day, stated, &table))
     };
-    first_that_accounts(Stated::all_day()).or_else(|| {
-        let of_a_step = OF_A_STEP.into_iter().flat_map(Stated::directions);
-        first_that_accounts(of_a_step.collect())
-    })
+    let of_a_step = || OF_A_STEP.into_iter().flat_map(Stated::directions);
+    first_that_accounts(Stated::all_day())
+        .or_else(|| first_that_accounts(of_a_step().collect()))
+        .or_else(|| reversed_under_gravity(day, &scales))
+}
+
+/// That standards are reversed where gravity turns in the sensor: a part of what the channels show, its weight, is not reversed with them, so
+/// that responses do not say it.
+fn reversed_under_gravity(day: &Unaccounted<'_>, scales: &Table) -> Option<Finding> {
+    if !turns_in_the_sensor(day) {
+        return None;
+    }
+    let design = &day.campaign.design.scale_per_mass_per_kg;
+    let as_designed = |limb: usize| scales.mass_over_scale_kg[limb].copysign(design[limb]);
+    let scales = Table {
+        mass_over_scale_kg: core::array::from_fn(as_designed),
+        ..scales.clone()
+    };
+    [Stated::Gyroscope, Stated::Accelerometer, Stated::Standards]
+        .into_iter()
+        .find_map(|stated| accounts(day, stated, &scales))
 }
 
 /// That the sensor is turned on its flange, if that accounts for all trials.
