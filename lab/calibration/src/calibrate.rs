@@ -43,7 +43,7 @@ use crate::estimate::Estimate;
 use crate::finding::{Cause, Finding, in_a_sentence};
 use crate::grade::{JudgedBy, failures, grade, misstated_drives, reservations, worst};
 use crate::iteration::{Criterion, Iteration};
-use crate::joint::{JointReport, hypotheses};
+use crate::joint::JointReport;
 use crate::prepare::PreparedSession;
 use crate::progress::Progress;
 use crate::report::{Estimator, Grade, ParameterReport, TrialReport, ValidationRun};
@@ -235,7 +235,8 @@ pub fn calibrate(
     }
     if let Some(chosen) = &chosen {
         if findings.is_empty() {
-            findings.extend(undetermined(chosen));
+            let hardly_known = disagreement::hardly_known(chosen);
+            findings.extend(hardly_known.or_else(|| undetermined(&chosen.parameters)));
         }
         findings.extend(chosen.refusal().map(choice::refused));
     }
@@ -353,23 +354,14 @@ fn facts<'a>(session: &'a Session, prepared: &'a PreparedSession) -> Facts<'a> {
 }
 
 /// Parameters other than k/m that the trials do not determine.
-fn undetermined(chosen: &Chosen) -> Option<Finding> {
-    let open: Vec<Parameter> = chosen
-        .parameters
+fn undetermined(parameters: &[ParameterReport]) -> Option<Finding> {
+    let open: Vec<Parameter> = parameters
         .iter()
         .map(|p| (p.parameter, p.determined))
         .filter(|(parameter, determined)| !determined && *parameter != Parameter::Stiffness)
         .map(|(parameter, _)| parameter)
         .collect();
     let names: Vec<String> = open.iter().map(Parameter::to_string).collect();
-    if !names.is_empty() && chosen.estimate.misfit.is_some_and(|m| m.contradicts()) {
-        let joint = chosen.estimate.joint.as_ref().map_err(String::as_str);
-        return Some(hypotheses::unknown(format!(
-            "{}, so far that the 95 % intervals of {} are wider than the values themselves",
-            hypotheses::contradiction(joint),
-            names.join(", ")
-        )));
-    }
     // No direction loads one limb alone: where one scale factor is open, it is the channel that shows nothing.
     let (cause, channels) = match open[..] {
         [Parameter::Scale(limb)] => (Cause::Unexplained, vec![limb]),

@@ -7,13 +7,40 @@
 use sixaxis_core::Parameter;
 use sixaxis_core::significance::NORMAL_95;
 
+use super::choice::Chosen;
+use crate::finding::Finding;
 use crate::interval;
-use crate::joint::JointReport;
 use crate::joint::misfit::{CONTRADICTING, Misfit};
+use crate::joint::{JointReport, hypotheses};
 use crate::report::ParameterReport;
 
 /// What limits a parameter that the joint fit has elsewhere.
 const OTHERWISE: &str = "what the joint fit says otherwise";
+
+/// Part of itself to within which a scale factor or a moment of inertia is to be known.
+const HARDLY_KNOWN: f64 = 0.5;
+
+/// That trials contradict each other too much for what was found to be used.
+pub(super) fn hardly_known(chosen: &Chosen) -> Option<Finding> {
+    let contradicted = chosen
+        .estimate
+        .misfit
+        .is_some_and(|misfit| misfit.contradicts());
+    let has_size =
+        |p: &&ParameterReport| p.parameter.has_size() && p.parameter != Parameter::Stiffness;
+    let share = |p: &ParameterReport| p.half_width_95.unwrap_or(f64::INFINITY) / p.estimate.abs();
+    let sized = chosen.parameters.iter().filter(has_size);
+    let worst = sized.max_by(|a, b| share(a).total_cmp(&share(b)))?;
+    (contradicted && share(worst) > HARDLY_KNOWN).then(|| {
+        let joint = chosen.estimate.joint.as_ref().map_err(String::as_str);
+        hypotheses::unknown(format!(
+            "{}, so that {} is known to ±{:.0} %",
+            hypotheses::contradiction(joint),
+            worst.parameter,
+            100.0 * share(worst)
+        ))
+    })
+}
 
 /// The four steps' reports with what a joint fit departs from them by, and, whether it was finished or given up, with what it leaves over.
 pub(super) fn held_against(

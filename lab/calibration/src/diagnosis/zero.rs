@@ -23,6 +23,10 @@ const ANOTHER: f64 = 0.5;
 const OF_ONE: f64 = 5e-5;
 /// The same from one static record to the next, hours later.
 const OF_THE_DAY: f64 = 1e-3;
+/// Samples of a trial's end at which it is at rest, if anywhere.
+const AT_AN_END: usize = 16;
+/// Part of what a zero is off in the mean by which it may be off at rest, if the motion alone makes it.
+const AT_REST: f64 = 0.25;
 /// Share of a linear trial's signal that a record at rest does not show.
 const MOVES: f64 = 0.5;
 
@@ -171,11 +175,29 @@ fn elsewhere(
     // A converter whose steps are as coarse as the noise shows a zero to half a step.
     let step_v = Some(steps_v[channel]).filter(|step| step.is_finite());
     let by_chance = ELSEWHERE * scatter_v.max(error_v) + step_v.unwrap_or(0.0);
-    (off_v.abs() > by_chance).then_some(Elsewhere {
+    (off_v.abs() > by_chance && !rectified(drift, channel, off_v, cases)).then_some(Elsewhere {
         zero_v: drift.drift_v[channel] + off_v,
         off_v,
         scatter_v,
     })
+}
+
+/// Whether the linear trials begin and end at the static record's zero, and show another only in the mean of their motion: a limb that is stiffer
+/// one way than the other does, and the record is right.
+fn rectified(drift: &ZeroDrift, channel: usize, off_v: f64, cases: &[TrialCase<'_>]) -> bool {
+    let at_ends = |case: &TrialCase<'_>| {
+        let rows = &case.trial.voltage_v;
+        let end = |rows: &[[f64; LIMBS]]| {
+            rows.iter().map(|row| row[channel]).sum::<f64>() / rows.len() as f64
+        };
+        let (first, last) = (rows.get(..AT_AN_END)?, rows.last_chunk::<AT_AN_END>()?);
+        Some(0.5 * (end(first) + end(last)) - drift.drift_v[channel])
+    };
+    let linear = usable(cases).filter(|(case, _)| case.trial.role == Role::Linear);
+    let ends: Vec<f64> = linear.filter_map(|(case, _)| at_ends(case)).collect();
+    let near = |share: f64, of: &f64| (of / off_v).abs() < share;
+    median(ends.iter().copied()).is_some_and(|end| near(AT_REST, &end))
+        && 2 * ends.iter().filter(|end| near(2.0 * AT_REST, end)).count() > ends.len()
 }
 
 /// What a channel shows at rest over what it shows in a linear trial, root mean squares: of voltages or of forces, whichever is less, since

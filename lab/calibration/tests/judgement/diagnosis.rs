@@ -1292,6 +1292,20 @@ fn inv_zeros_that_are_not_the_static_record_s_are_told() {
     assert!(found[0].evidence.contains("9 channels"), "{found:#?}");
 }
 
+/// Limbs that are stiffer one way than the other show another zero in motion, and at rest the static record's.
+#[test]
+fn inv_a_zero_of_the_motion_alone_is_not_the_static_record_s() {
+    let moved = |at_rest: usize| {
+        let mut trials = played(&healthy());
+        change(&mut trials, LINEAR, |channel, n, u| {
+            let moves = (at_rest..SAMPLES - at_rest).contains(&n);
+            if channel == 4 && moves { u + 0.01 } else { u }
+        });
+        of_the_static_record(trials).len()
+    };
+    assert_eq!([moved(0), moved(32)], [1, 0]);
+}
+
 #[test]
 fn inv_zeros_within_what_a_day_shows_are_not_told() {
     // Amplifiers that warm up: from -6 to 14 mV over the linear trials.
