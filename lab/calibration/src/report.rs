@@ -69,8 +69,8 @@ pub struct ParameterReport {
     pub half_width_95: Option<f64>,
     /// Half width that noise alone would give, propagated through the steps.
     pub from_noise: Option<f64>,
-    /// Half width that the differences between trials give: by the four steps what they scatter by, none for fewer than three trials; by the
-    /// joint fit what sensitivities move by over the day.
+    /// Half width that the differences between trials give: by the four steps what they scatter by, none for fewer than three trials, and
+    /// what a joint fit of them says otherwise; by the joint fit what sensitivities move by over the day.
     pub from_trials: Option<f64>,
     /// Half width that the standards' classes give; for k/m by taps, errors of I/m and gains.
     pub from_standards: Option<f64>,

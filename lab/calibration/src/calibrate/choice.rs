@@ -127,13 +127,13 @@ impl Chosen {
         }
         if self.fell_back {
             let joint = self.estimate.joint.as_ref().map_err(String::as_str);
-            let wider = self.estimate.misfit.as_ref().map(Misfit::wider);
-            let intervals = match wider {
-                Some(wider) if wider > 1.0 => format!(
+            let wider = self.estimate.misfit.as_ref().map_or(1.0, Misfit::wider);
+            let intervals = match joint {
+                _ if wider > 1.0 => format!(
                     "noise counts {wider:.0} times in their intervals and in deviations of what is decoupled"
                 ),
-                Some(_) => "their intervals, and deviations of what is decoupled, contain what the joint fit departs from them by".to_owned(),
-                None => "their intervals, and deviations of what is decoupled, contain the spread among trials, and nothing of what keeps all from being fitted together: open loop what is decoupled may be tens of percent off".to_owned(),
+                Ok(_) => "their intervals, and deviations of what is decoupled, contain what the joint fit departs from them by".to_owned(),
+                Err(_) => "their intervals, and deviations of what is decoupled, contain the spread among trials, and nothing of what keeps all from being fitted together: open loop what is decoupled may be tens of percent off".to_owned(),
             };
             reservations.push(format!(
                 "{}: the four steps' parameters are used, and {intervals}",

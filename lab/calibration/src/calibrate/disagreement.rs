@@ -57,6 +57,9 @@ pub(super) fn held_against(
         let noise = own.from_noise.unwrap_or(0.0);
         let contradiction = noise * (wider * wider - 1.0).sqrt();
         let (otherwise, spread) = (apart.hypot(contradiction), own.from_trials.unwrap_or(0.0));
+        if otherwise == 0.0 {
+            return own.clone();
+        }
         let mut held = interval::finish(
             own.parameter,
             own.estimate,
