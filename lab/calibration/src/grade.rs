@@ -3,6 +3,7 @@
 use crate::diagnosis::rig;
 use crate::drive;
 use crate::finding::{Cause, Finding, in_a_sentence};
+use crate::joint::misfit::CONTRADICTING;
 use crate::report::{Grade, ParameterReport, TrialReport};
 use crate::steps::{Campaign, FourSteps};
 use sixaxis_core::identify::inertia::GAIN_RANGE;
@@ -214,8 +215,14 @@ pub(crate) fn reservations(
         .collect();
     if let Some((worst, share)) = wide.iter().max_by(|a, b| a.1.total_cmp(&b.1)) {
         let names: Vec<String> = wide.iter().map(|(p, _)| p.parameter.to_string()).collect();
+        // More of the same contradict each other as much.
+        let advice = if worst.dominated_by == CONTRADICTING {
+            ""
+        } else {
+            "; repeat trials that load them"
+        };
         reservations.push(format!(
-            "{}: known only to ±{:.*} % at worst ({}), mostly because of {}; repeat trials that load them",
+            "{}: known only to ±{:.*} % at worst ({}), mostly because of {}{advice}",
             names.join(", "),
             decimals_apart(100.0 * share, limits.interval_percent, 0),
             100.0 * share,

@@ -9,6 +9,7 @@ use sixaxis_calibration::report::Estimator;
 use sixaxis_campaign::case::calibrate;
 use sixaxis_campaign::row::{Group, Row, Scalar, Status, Text, Values};
 use sixaxis_core::parameter::{PARAMETERS, Parameter};
+use sixaxis_core::significance::NORMAL_95;
 use sixaxis_recordings::session::SessionFile;
 use sixaxis_reference::laboratory::plan::SessionPlan;
 use sixaxis_reference::laboratory::session::simulate_session;
@@ -57,22 +58,17 @@ fn on_disk(plan: &SessionPlan, seed: u64, folder: &TempDir) -> CalibratedSession
     calibrate_files(&file, &options, &NoProgress).expect("it can be calibrated")
 }
 
-fn bits(values: &Values) -> Vec<Option<u64>> {
-    values.iter().map(|v| v.map(f64::to_bits)).collect()
-}
-
 fn group_on_disk(calibrated: &CalibratedSession, group: Group) -> Values {
     let steps = calibrated.steps.as_ref().expect("the steps were done");
     match group {
         Group::FourSteps => steps.found().to_paper_order().map(Some),
         Group::FourStepsStandardError => {
-            let calibration = calibrated.calibration.as_ref().expect("there is one");
-            let propagated = calibration.covariance.propagated.as_ref();
-            let noise = &propagated.expect("errors are propagated").noise;
-            core::array::from_fn(|i| (i < PARAMETERS - 1).then(|| noise[i][i].sqrt()))
+            let from_noise = |i: usize| calibrated.four_steps[i].from_noise;
+            core::array::from_fn(|i| from_noise(i).filter(|_| i < PARAMETERS - 1))
         }
         _ => core::array::from_fn(|i| {
-            let report = &calibrated.parameters[i];
+            // Their own, without what the joint fit says otherwise.
+            let report = &calibrated.four_steps[i];
             assert_eq!(
                 Some(report.parameter),
                 Parameter::at(i),
@@ -98,13 +94,20 @@ fn inv_a_case_is_what_calibrate_finds_on_disk() {
         let row = calibrate(plan, seed);
         let other = calibrate(plan, seed + 1);
         for group in FOUND {
-            let disk = bits(&group_on_disk(&calibrated, group));
-            assert_eq!(bits(row.group(group)), disk, "plan {index}, {group:?}");
-            assert_ne!(
-                bits(other.group(group)),
-                disk,
-                "another seed is another session"
-            );
+            let disk = group_on_disk(&calibrated, group);
+            // Reported at 95 %. The root of a drift's variance is its deviation to a rounding.
+            let (factor, slack) = match group {
+                Group::FourStepsStandardError => (NORMAL_95, 2.0 * f64::EPSILON),
+                _ => (1.0, 0.0),
+            };
+            let of = |row: &Row| row.group(group).map(|x| x.map(|x| factor * x));
+            let same = |a: &Option<f64>, b: &Option<f64>| match (a, b) {
+                (Some(a), Some(b)) => (a - b).abs() <= slack * a.abs(),
+                _ => a == b,
+            };
+            let are_same = |row: &Row| of(row).iter().zip(&disk).all(|(a, b)| same(a, b));
+            assert!(are_same(&row), "plan {index}, {group:?}");
+            assert!(!are_same(&other), "another seed is another session");
         }
         let steps = calibrated.steps.as_ref().expect("the steps were done");
         assert_eq!(

@@ -74,7 +74,7 @@ fn beside(calibrated: &CalibratedSession, joint: &JointReport) -> Table {
         .caption("The joint fit beside the four steps")
         .footnote(format!(
             "Apart: the difference over the wider half width; above 1 is marked. What both owe to the accelerometer's gain does not \
-             part them. {whose}"
+             part them. The four steps' half widths are here without what the joint fit says otherwise. {whose}"
         ))
         .into()
 }
