@@ -21,6 +21,8 @@ use sixaxis_recordings::session::Outliers;
 
 /// Longest rest whose mean is the level that a high-pass is undone about, s: nothing comes out before it is over.
 pub const LONGEST_REST_S: f64 = 2.0;
+/// The same in samples, at whatever rate: they are kept.
+const LONGEST_REST: f64 = 262_144.0;
 /// Longest lag or lead, samples; a converter's channels are a few samples apart at most.
 const LONGEST_LAG: f64 = 10_000.0;
 
@@ -182,7 +184,7 @@ fn streaming(
         },
         Stage::HighPass => match config.amplifier_high_pass_hz {
             Some(corner_hz) => Some(Box::new({
-                let longest = (LONGEST_REST_S * sample_rate_hz) as usize;
+                let longest = (LONGEST_REST_S * sample_rate_hz).min(LONGEST_REST) as usize;
                 UndoneHighPass::new(corner_hz, sample_rate_hz, longest)
                     .context("the amplifier's high-pass")?
             })),
