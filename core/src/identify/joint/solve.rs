@@ -200,8 +200,7 @@ pub(super) fn refit(
     spreads: Spreads,
 ) -> Result<(JointEstimate, Vec<Trial>)> {
     let mut campaign = Campaign::new(joint, spreads);
-    let mut at = campaign.point(start, trials)?;
-    let mut steps = 0;
+    let (mut at, mut steps) = (campaign.point(start, trials)?, 0);
     for round in 0..ROUNDS {
         let end = iterate(&campaign, at, LIMITS)?;
         steps += end.steps;

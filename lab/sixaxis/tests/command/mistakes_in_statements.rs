@@ -320,18 +320,23 @@ fn neg_an_odd_recording_is_told_by_what_the_others_agree_on() {
     ]);
 }
 
+/// The day with a copy of a recording, of this name, in whose sample 498 a column reads something else.
+fn with_wild(recording: &str, name: &str, (column, reading): (usize, f64)) -> (i32, String) {
+    let (at, file) = (std::cell::Cell::new(0), format!("{name}.csv"));
+    rewritten(recording, &file, |row| {
+        if at.replace(at.get() + 1) == 498 {
+            row[column] = reading;
+        }
+    });
+    calibrated(name, |s| s.replace(recording, &file))
+}
+
 /// However large: one that dwarfs the motion hides where it begins and ends, and the trial is whole all the same.
 #[test]
 fn neg_a_wild_cell_is_told_by_its_sample() {
     for (name, volts, in_words) in [("wild", 3125.0, "3125.0"), ("wilder", 1e30, "1e30")] {
-        let at = std::cell::Cell::new(0);
         let file = format!("{name}.csv");
-        rewritten("linear-04.csv", &file, |row| {
-            if at.replace(at.get() + 1) == 498 {
-                row[3] = volts;
-            }
-        });
-        let (code, said) = calibrated(name, |s| s.replace("linear-04.csv", &file));
+        let (code, said) = with_wild("linear-04.csv", name, (3, volts));
         assert_eq!(code, 4, "{said}");
         let words = format!(
             "recording cannot be used: {file}; channel 4 voltages up to {in_words} V from a converter that ends at 10 V, in 1 of all samples, the first of them sample 498 of {file}"
@@ -348,15 +353,9 @@ fn neg_a_wild_reading_of_a_standard_is_told_by_its_sample() {
         ("angular-03.csv", 10, "gyroscope"),
         ("compound-01.csv", 10, "gyroscope"),
     ] {
-        let at = std::cell::Cell::new(0);
         let name = format!("wild-{standard}-{}", &recording[..6]);
         let file = format!("{name}.csv");
-        rewritten(recording, &file, |row| {
-            if at.replace(at.get() + 1) == 498 {
-                row[column] = -1e30;
-            }
-        });
-        let (code, said) = calibrated(&name, |s| s.replace(recording, &file));
+        let (code, said) = with_wild(recording, &name, (column, -1e30));
         assert_eq!(code, 4, "{said}");
         let words = format!(
             "recording cannot be used: {file} the {standard}'s reading of -1.0e30 at sample 498 is more than a hundred times"
