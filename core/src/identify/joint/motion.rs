@@ -252,17 +252,23 @@ impl<'a> Fine<'a> {
         }
     }
 
+    /// Sine and cosine of 0, 1, 2 ... times the angle of a place in the table.
+    fn turns(&self, place: usize) -> impl Iterator<Item = (f64, f64)> {
+        let on = move |at: &usize| {
+            let next = at + place;
+            Some(next.checked_sub(self.points).unwrap_or(next))
+        };
+        core::iter::successors(Some(0), on).map(|at| self.table[at])
+    }
+
     /// Values of Re sum a_k exp(i w_k t), k from 1.
     fn times(&self, amplitudes: &[Complex<f64>]) -> Vec<f64> {
         (0..self.points)
             .map(|i| {
                 amplitudes
                     .iter()
-                    .enumerate()
-                    .map(|(k, a)| {
-                        let (sin, cos) = self.table[(k + 1) * i % self.points];
-                        a.re * cos - a.im * sin
-                    })
+                    .zip(self.turns(i).skip(1))
+                    .map(|(a, (sin, cos))| a.re * cos - a.im * sin)
                     .sum()
             })
             .collect()
@@ -275,8 +281,7 @@ impl<'a> Fine<'a> {
         let z = (1..=last)
             .map(|k| {
                 let (mut re, mut im) = (0.0, 0.0);
-                for (i, v) in values.iter().enumerate() {
-                    let (sin, cos) = self.table[k * i % self.points];
+                for (v, (sin, cos)) in values.iter().zip(self.turns(k)) {
                     re += v * cos;
                     im -= v * sin;
                 }

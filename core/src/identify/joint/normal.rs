@@ -7,6 +7,7 @@
 use alloc::vec::Vec;
 
 use nalgebra::{Cholesky, Complex, DMatrix, DVector, Dyn};
+use pulp::Arch;
 
 use super::motion::Operator;
 use super::own::Own;
@@ -75,7 +76,7 @@ impl Trial {
             squares: 0.0,
         };
         let parts = self.parts(unknowns, shares)?;
-        arrow.add_channels(self, unknowns, &parts);
+        Arch::new().dispatch(|| arrow.add_channels(self, unknowns, &parts));
         arrow.add_standard(self, unknowns);
         Some(arrow)
     }
@@ -129,8 +130,14 @@ impl Contribution {
 impl MotionFree {
     /// With what is known of the own unknowns beforehand, and these eliminated.
     fn contribution(self, own: &[Own], common: usize) -> Option<Contribution> {
-        let block = |rows: usize, columns: usize, size: (usize, usize)| {
-            self.information.view((rows, columns), size).clone_owned()
+        let block = |row: usize, column: usize, (rows, columns): (usize, usize)| {
+            let mut block = DMatrix::zeros(rows, columns);
+            for c in 0..columns {
+                let whole = self.information.column(column + c);
+                let part = &whole.as_slice()[row..row + rows];
+                block.column_mut(c).as_mut_slice().copy_from_slice(part);
+            }
+            block
         };
         let count = own.len();
         let mut information = block(0, 0, (common, common));
@@ -162,6 +169,7 @@ impl MotionFree {
 }
 
 impl Arrow {
+    #[inline(always)]
     fn add_channels(&mut self, trial: &Trial, unknowns: &Unknowns, parts: &Parts) {
         let all = parts.all.len();
         let gram = DMatrix::from_fn(all, all, |a, b| parts.all[a].dot(&parts.all[b]));
@@ -305,12 +313,63 @@ fn eliminate(
     descent: &mut DVector<f64>,
 ) {
     let lower = factor.l_dirty();
-    let (mut across, mut down) = (coupling.clone(), down.clone());
-    lower.solve_lower_triangular_unchecked_mut(&mut across);
+    // A trial has no part in unknowns of other wedges and of the other drive.
+    let touched: Vec<usize> = (0..coupling.ncols())
+        .filter(|c| coupling.column(*c).as_slice().iter().any(|x| *x != 0.0))
+        .collect();
+    if touched.is_empty() {
+        return;
+    }
+    // Transposed: all of them go down the factor side by side, and the product of two matrices is blocked for the caches, where that with
+    // a transpose is not.
+    let mut transposed = coupling.select_columns(&touched).transpose();
+    Arch::new().dispatch(|| solve_lower(lower, &mut transposed));
+    let across = transposed.transpose();
+    let mut down = down.clone();
     lower.solve_lower_triangular_unchecked_mut(&mut down);
-    descent.gemv_tr(-1.0, &across, &down, 1.0);
-    // Transposed first: the product of two matrices is blocked for the caches, that with a transpose is not.
-    information.gemm(-1.0, &across.transpose(), &across, 1.0);
+    let taken = &transposed * &across;
+    for (place, column) in touched.iter().enumerate() {
+        descent[*column] -= across.column(place).dot(&down);
+        let mut whole = information.column_mut(*column);
+        let whole = whole.as_mut_slice();
+        for (row, taken) in touched.iter().zip(taken.column(place).as_slice()) {
+            whole[*row] -= taken;
+        }
+    }
+}
+
+/// Solves L x = b for each row b of a matrix. A factor with nothing beside its diagonal, as that of a linear trial, costs next to nothing.
+#[inline(always)]
+fn solve_lower(lower: &DMatrix<f64>, rows: &mut DMatrix<f64>) {
+    let width = rows.nrows();
+    let values = rows.as_mut_slice();
+    for at in 0..lower.nrows() {
+        let (before, from_here) = values.split_at_mut(at * width);
+        let here = &mut from_here[..width];
+        let beside = lower.row(at);
+        let mut of_four = before.chunks_exact(4 * width);
+        for (group, known) in of_four.by_ref().enumerate() {
+            let [a, b, c, d] = core::array::from_fn(|i| beside[4 * group + i]);
+            if [a, b, c, d] == [0.0; 4] {
+                continue;
+            }
+            let (first, rest) = known.split_at(width);
+            let (second, rest) = rest.split_at(width);
+            let (third, fourth) = rest.split_at(width);
+            let known = first.iter().zip(second).zip(third.iter().zip(fourth));
+            for (x, ((first, second), (third, fourth))) in here.iter_mut().zip(known) {
+                *x = *x - a * first - b * second - c * third - d * fourth;
+            }
+        }
+        let rest = of_four.remainder().chunks_exact(width);
+        for (known, factor) in rest.zip(beside.iter().skip(at / 4 * 4)) {
+            for (x, known) in here.iter_mut().zip(known) {
+                *x -= factor * known;
+            }
+        }
+        let diagonal = beside[at];
+        here.iter_mut().for_each(|x| *x /= diagonal);
+    }
 }
 
 #[cfg(test)]

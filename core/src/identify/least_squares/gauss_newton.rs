@@ -30,6 +30,9 @@ pub(crate) trait Nonlinear {
     fn is_better(&self, next: &Self::Point, than: &Self::Point) -> bool;
 }
 
+/// How much larger a share of a step is tried first than the one before it needed: where halving was needed it is needed again.
+const GROWTH: f64 = 4.0;
+
 /// When the iteration gives up.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limits {
@@ -70,6 +73,7 @@ pub(crate) struct End<N: Nonlinear> {
 pub(crate) fn iterate<N: Nonlinear>(fit: &N, start: N::Point, limits: Limits) -> Result<End<N>> {
     let mut at = start;
     let mut steps = 0;
+    let mut share = 1.0_f64;
     loop {
         let step = fit.step(&at)?;
         steps += 1;
@@ -79,14 +83,15 @@ pub(crate) fn iterate<N: Nonlinear>(fit: &N, start: N::Point, limits: Limits) ->
             Outcome::OutOfSteps
         } else {
             // A share that leads out of the model's range is no better; a smaller one may be.
-            let better = core::iter::successors(Some(1.0), |share| Some(0.5 * share))
+            let first = 1.0_f64.min(GROWTH * share);
+            let better = core::iter::successors(Some(first), |share| Some(0.5 * share))
                 .take(limits.shares)
                 .find_map(|share| {
                     let next = fit.moved(&at, &step, share).ok()?;
-                    fit.is_better(&next, &at).then_some(next)
+                    fit.is_better(&next, &at).then_some((next, share))
                 });
-            if let Some(next) = better {
-                at = next;
+            if let Some(better) = better {
+                (at, share) = better;
                 continue;
             }
             Outcome::NoBetterPoint

@@ -54,12 +54,14 @@ pub fn measure(series: &[f64], sample_rate_hz: f64, frequency_hz: f64) -> Option
     let start_rad_s = TAU * frequency_hz;
     let mut rate_rad_s = start_rad_s;
     for _ in 0..CORRECTIONS {
-        let phases = |n: usize, k: usize| (k as f64 * rate_rad_s * time_s(n)).sin_cos();
-        let design = DMatrix::from_fn(count, 2 * HARMONICS + 1, |n, column| match column {
-            0 => 1.0,
-            odd if odd % 2 == 1 => phases(n, odd.div_ceil(2)).1,
-            even => phases(n, even / 2).0,
-        });
+        let mut design = DMatrix::from_element(count, 2 * HARMONICS + 1, 1.0);
+        for k in 1..=HARMONICS {
+            for n in 0..count {
+                let (sin, cos) = (k as f64 * rate_rad_s * time_s(n)).sin_cos();
+                design[(n, 2 * k - 1)] = cos;
+                design[(n, 2 * k)] = sin;
+            }
+        }
         let normal = (design.transpose() * &design).cholesky()?;
         let shape = normal.solve(&(design.transpose() * &values));
         let residual = &values - &design * &shape;
@@ -67,7 +69,7 @@ pub fn measure(series: &[f64], sample_rate_hz: f64, frequency_hz: f64) -> Option
         let slope = DVector::from_fn(count, |n, _| {
             (1..=HARMONICS)
                 .map(|k| {
-                    let (sin, cos) = phases(n, k);
+                    let (cos, sin) = (design[(n, 2 * k - 1)], design[(n, 2 * k)]);
                     let by_phase = shape[2 * k] * cos - shape[2 * k - 1] * sin;
                     k as f64 * time_s(n) * by_phase
                 })

@@ -122,8 +122,12 @@ impl Table {
             let matrix = DMatrix::from_fn(observations.len(), 6, |i, j| {
                 observations[i].1[j] * weights[i]
             });
-            let right = DVector::from_fn(observations.len(), |i, _| observations[i].2 * weights[i]);
-            let Some(svd) = matrix.try_svd(true, true, f64::EPSILON, 1000) else {
+            let mut right =
+                DVector::from_fn(observations.len(), |i, _| observations[i].2 * weights[i]);
+            // Many rows first made six: the singular values are the same, and this is done thousands of times.
+            let rotated = matrix.qr();
+            rotated.q_tr_mul(&mut right);
+            let Some(svd) = rotated.r().try_svd(true, true, f64::EPSILON, 1000) else {
                 return;
             };
             // Written so that NaN resolves nothing.
@@ -131,7 +135,7 @@ impl Table {
             if !resolved {
                 return;
             }
-            let Ok(solution) = svd.solve(&right, 0.0) else {
+            let Ok(solution) = svd.solve(&right.rows(0, 6), 0.0) else {
                 return;
             };
             let i: [f64; 6] = core::array::from_fn(|k| solution[k]);

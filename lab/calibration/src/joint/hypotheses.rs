@@ -80,18 +80,12 @@ impl Unaccounted<'_> {
         knowledge: &Knowledge,
     ) -> Option<JointReport> {
         let geometry = &self.campaign.geometry;
-        let fitted = |knowledge: &Knowledge| {
-            fit_trials(geometry, trials, rest, start, knowledge, Loss::Squares).ok()
+        let knowledge = match self.joint {
+            Ok(_) => *knowledge,
+            // A day without a fit may also have limbs with mass, or a mass that is far off the middle.
+            Err(_) => knowledge.with_heavy_limbs(),
         };
-        let held = fitted(knowledge);
-        if self.joint.is_ok() || held.as_ref().is_some_and(JointReport::accounts) {
-            return held;
-        }
-        // A day without a fit may also have limbs with mass, or a mass that is far off the middle.
-        let heavy = fitted(&knowledge.with_heavy_limbs());
-        heavy
-            .filter(|heavy| held.is_none() || heavy.accounts())
-            .or(held)
+        fit_trials(geometry, trials, rest, start, &knowledge, Loss::Squares).ok()
     }
 
     /// The fit of all trials, each put right. It starts from what their responses then agree on.
