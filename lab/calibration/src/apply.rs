@@ -10,6 +10,7 @@
 //! | [`voltages`] | nine columns, as they go from file to decoder |
 //! | [`recording`] | nine voltages on one clock from a file, block by block, with what is wrong with them |
 //! | `at_limit` | which samples at the end of the converter's range are failed channels |
+//! | `flat_crests` | which channels an amplifier cuts off |
 //! | [`frozen`] | whether all of them stand still where they cannot |
 //! | [`conditioning_stream`] | delays, the amplifier's high-pass, a low-pass, as streams |
 //! | [`aids`] | what the user knows of the motion beside the recording |
@@ -55,6 +56,7 @@ pub mod ends;
 pub mod exclusions;
 pub mod fault_watch;
 mod first_pass;
+mod flat_crests;
 mod frozen;
 pub mod job;
 pub mod mean_acceleration;

@@ -23,7 +23,7 @@
 
 pub mod altered;
 pub mod drift;
-mod flat_top;
+pub(crate) mod flat_top;
 pub mod fundamental;
 pub mod gravity;
 pub mod level;

@@ -13,6 +13,7 @@ use sixaxis_recordings::{BEGAN, Layout};
 
 use super::CHUNK;
 use super::at_limit::{AtLimit, NEAR};
+use super::flat_crests::FlatCrests;
 use super::frozen::Frozen;
 use super::voltages::Voltages;
 
@@ -44,6 +45,7 @@ pub struct Recording {
     columns: Columns,
     frozen: Frozen,
     at_limit: AtLimit,
+    flat_crests: FlatCrests,
     /// Where it is watched, the samples after those that were handed over.
     ahead: Option<Batch>,
     start_s: f64,
@@ -125,6 +127,7 @@ impl Recording {
             columns: Columns::new(path, source, limbs, time, Some(sample_rate_hz))?,
             frozen: Frozen::default(),
             at_limit: AtLimit::default(),
+            flat_crests: FlatCrests::default(),
             ahead: None,
             full_scale_v,
         })
@@ -199,6 +202,7 @@ impl Recording {
             .filter_map(|(column, place)| place.map(|_| &column[..]))
             .collect();
         self.frozen.look(&read);
+        self.flat_crests.look(&batch.voltage_v);
         self.seen.samples += count as u64;
         if count == 0
             && let Some(stamps) = self.columns.stamps()
@@ -248,6 +252,14 @@ impl Recording {
                 self.path.display(),
                 self.full_scale_v,
                 clipped.join(", ")
+            ));
+        }
+        let flat = (self.flat_crests).told(&self.names, |limb| self.seen.clipped[limb] == 0);
+        if !flat.is_empty() {
+            warnings.push(format!(
+                "{}: crests are cut off, as by an amplifier at the end of its range, and the accelerations are wrong there: {}",
+                self.path.display(),
+                flat.join(", ")
             ));
         }
         if !PLAUSIBLE_HZ.contains(&self.sample_rate_hz) {

@@ -29,7 +29,7 @@ const POWERS: usize = 5;
 const STEPS_SPANNED: f64 = 64.0;
 
 /// The value at which readings of such a step are cut off.
-pub(super) fn flat_top(series: &[f64], step: f64) -> Option<f64> {
+pub(crate) fn flat_top(series: &[f64], step: f64) -> Option<f64> {
     let (low, high) = extent(series.iter().copied());
     if series.is_empty() || high - low <= STEPS_SPANNED * step {
         return None;

@@ -282,7 +282,8 @@ pub(crate) fn converter_step_v(trial: &Trial, channel: usize) -> f64 {
     )
 }
 
-fn step_of(series: &[f64]) -> f64 {
+/// The same of a series.
+pub(crate) fn step_of(series: &[f64]) -> f64 {
     smallest(series.windows(2).map(|pair| pair[1] - pair[0]))
 }
 

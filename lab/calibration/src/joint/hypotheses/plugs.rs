@@ -23,6 +23,8 @@ use crate::trial::Trial;
 const WORTH_A_FIT: f64 = 0.5;
 /// Share of them that one more exchange may leave to be a part of the matter: a row of names that is out by one is eight exchanges.
 const ONE_MORE: f64 = 0.9;
+/// Relative difference of two costs that is rounding.
+const SAME_COST: f64 = 1e-6;
 /// First ones from which more are looked for.
 const STARTS: usize = 3;
 
@@ -212,7 +214,7 @@ pub fn tried(day: &Unaccounted<'_>) -> Option<Finding> {
         .filter(worth_a_fit)
         .and_then(accounting)
         .or_else(|| {
-            several(&shares, &cases)
+            several(&shares, &cases, &day.campaign.design)
                 .filter(worth_a_fit)
                 .and_then(accounting)
         })
@@ -268,6 +270,22 @@ struct Agreeing {
     table: Table,
 }
 
+impl Agreeing {
+    /// By what it costs. Plugs and names that were exchanged all day cost the same, and gains of the wrong amplifier are what tells them
+    /// apart: scale factors are then far from the design's.
+    fn agrees_better(&self, than: &Self, design: &Parameters) -> bool {
+        if (self.cost - than.cost).abs() > SAME_COST * self.cost.max(than.cost) {
+            return self.cost < than.cost;
+        }
+        let from_design = |of: &Self| -> f64 {
+            let scale = design.scale_per_mass_per_kg.iter();
+            let factors = of.table.mass_over_scale_kg.iter().zip(scale);
+            factors.map(|(h, scale)| (h * scale).abs().ln().abs()).sum()
+        };
+        from_design(self) < from_design(than)
+    }
+}
+
 /// The one thing with which the trials' responses agree best.
 fn one(
     shares: &StaticLoadSharing,
@@ -287,10 +305,15 @@ fn one(
                 }
                 _ => true,
             };
-            if has_its_sign && best.as_ref().is_none_or(|best| cost < best.cost) {
-                let plugs = vec![plugs];
-                let found = Replugged { plugs, trials };
-                best = Some(Agreeing { found, cost, table });
+            let plugs = vec![plugs];
+            let found = Replugged { plugs, trials };
+            let this = Agreeing { found, cost, table };
+            if has_its_sign
+                && best
+                    .as_ref()
+                    .is_none_or(|best| this.agrees_better(best, design))
+            {
+                best = Some(this);
             }
         };
         if plugs != Plugs::OfTheStandard {
@@ -304,7 +327,11 @@ fn one(
 }
 
 /// The exchanges of one kind, one after the other and all day, with which they agree best.
-fn several(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<Agreeing> {
+fn several(
+    shares: &StaticLoadSharing,
+    cases: &[TrialCase<'_>],
+    design: &Parameters,
+) -> Option<Agreeing> {
     let of_a_kind = |kind: fn(usize, usize) -> Plugs| {
         let mut firsts: Vec<Agreeing> = pairs()
             .filter_map(|(a, b)| with_one_more(shares, cases, &[], kind(a, b)))
@@ -329,7 +356,10 @@ fn several(shares: &StaticLoadSharing, cases: &[TrialCase<'_>]) -> Option<Agreei
     };
     of_a_kind(Plugs::Exchanged)
         .chain(of_a_kind(Plugs::Misnamed))
-        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+        .reduce(|best, other| match other.agrees_better(&best, design) {
+            true => other,
+            false => best,
+        })
 }
 
 fn with_one_more(

@@ -241,6 +241,31 @@ fn inv_a_stream_is_told_of_broken_sums_before_it_ends() {
     assert_eq!(said.matches(BROKEN_SUMS).count(), 1, "{said}");
 }
 
+/// Below the converter's limit, which is told by itself.
+#[test]
+fn inv_an_amplifier_at_its_end_is_told() {
+    let folder = Folder::new("decouple-guards-amplifier");
+    let (mut volts, rate_hz) = voltages();
+    let path = folder.join("run.csv");
+    let decouple = |volts: &[Vec<f64>]| {
+        write(&path, &LIMBS, "V", volts, rate_hz);
+        let out = folder.file("out.csv");
+        let first = ["decouple", &calibration(), text(&path), "--out", &out];
+        stderr(&done(&[&first[..], &["--gain", "0.1"]].concat()))
+    };
+    let sound = decouple(&volts);
+    assert!(!sound.contains("crests are cut off"), "{sound}");
+    let highest_v = volts[6].iter().fold(0.0_f64, |high, u| high.max(*u));
+    volts[6]
+        .iter_mut()
+        .for_each(|u| *u = u.min(0.8 * highest_v));
+    let cut = decouple(&volts);
+    let told = cut.lines().find(|line| line.contains("crests are cut off"));
+    let told = told.unwrap_or_else(|| panic!("{cut}"));
+    let named = LIMBS.map(|name| told.contains(&format!("{name} at ")));
+    assert_eq!(named, core::array::from_fn(|limb| limb == 6), "{told}");
+}
+
 #[test]
 fn inv_a_recording_that_was_cut_short_is_told() {
     let folder = Folder::new("decouple-guards-cut");
