@@ -29,6 +29,14 @@ impl Channels {
         })
     }
 
+    /// What voltages that others have mended are by these.
+    pub(super) fn anew(&self, mended_v: &[f64; LIMBS], by: &Self) -> [f64; LIMBS] {
+        self.mended(&core::array::from_fn(|i| {
+            let ratio = by.scale_per_mass_per_kg[i] / by.made_with.scale_per_mass_per_kg[i];
+            by.drift_v[i] + (mended_v[i] - by.made_with.zero_drift_v[i]) / ratio
+        }))
+    }
+
     pub(super) fn parameters(&self) -> Parameters {
         Parameters {
             zero_drift_v: self.drift_v,

@@ -36,6 +36,8 @@ pub struct AidedDecoupler {
     gathering: Gathering,
     step_s: f64,
     channels: Channels,
+    /// Those with which the last samples were decoupled.
+    decoupled_with: Channels,
     /// Voltages of the sample that is answered next, and of the one that was answered last.
     before: [f64; LIMBS],
     answered: [f64; LIMBS],
@@ -66,6 +68,7 @@ impl AidedDecoupler {
             gathering: Gathering::new(settings.sample_rate_hz, BLOCK_S),
             step_s: 1.0 / settings.sample_rate_hz,
             channels: Channels::new(*parameters),
+            decoupled_with: Channels::new(*parameters),
             before: [0.0; LIMBS],
             answered: [0.0; LIMBS],
             last: None,
@@ -83,6 +86,7 @@ impl AidedDecoupler {
     /// # Errors
     /// Those of [`Decoupler::push`].
     pub fn push(&mut self, voltage_v: &[f64; LIMBS]) -> Result<Option<SixAxis>> {
+        self.mend_recent()?;
         let mended = self.channels.mended(voltage_v);
         let answer = self.decoupler.push(&mended)?;
         self.answered = core::mem::replace(&mut self.before, mended);
@@ -95,6 +99,18 @@ impl AidedDecoupler {
             }
         }
         Ok(answer)
+    }
+
+    /// What has been found of the channels holds for the sample that is answered next, too, and for the one before it.
+    fn mend_recent(&mut self) -> Result<()> {
+        if self.decoupled_with == self.channels {
+            return Ok(());
+        }
+        let rows = [&mut self.answered, &mut self.before];
+        self.decoupler
+            .mend_recent(rows, &self.channels, &self.decoupled_with)?;
+        self.decoupled_with = self.channels;
+        Ok(())
     }
 
     /// The block that the last sample completed: what is known can be used now, and deviations are those of this sample.

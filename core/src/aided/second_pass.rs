@@ -75,7 +75,13 @@ impl SmoothedDecoupler {
                 turn.to_scaled_axis(),
                 next.rate_shell_rad_s - last.rate_shell_rad_s,
             );
+            let before = self.now.channels;
             self.advance();
+            self.decoupler.mend_recent(
+                [&mut self.answered, &mut self.before],
+                &self.now.channels,
+                &before,
+            )?;
         }
         let mended = self.now.channels.mended(voltage_v);
         let mut answer = self.decoupler.push(&mended)?;

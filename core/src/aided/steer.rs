@@ -2,12 +2,32 @@
 
 use glam::DVec3;
 
+use super::channels::Channels;
 use crate::decouple::stream::Decoupler;
+use crate::error::Result;
+use crate::geometry::LIMBS;
 use crate::kernel::attitude::exp_exactly;
 use crate::kernel::shell;
 use crate::kernel::vec3::{Vec3, vec3};
 
 impl Decoupler {
+    /// Has the last two rows, the earlier one first, mended by other channels than those that they were mended by.
+    pub(super) fn mend_recent(
+        &mut self,
+        mended_v: [&mut [f64; LIMBS]; 2],
+        with: &Channels,
+        instead_of: &Channels,
+    ) -> Result<()> {
+        let anew = mended_v.each_ref().map(|row| with.anew(row, instead_of));
+        self.add_to_recent(core::array::from_fn(|row| {
+            core::array::from_fn(|limb| anew[row][limb] - mended_v[row][limb])
+        }))?;
+        for (row, anew) in mended_v.into_iter().zip(anew) {
+            *row = anew;
+        }
+        Ok(())
+    }
+
     /// Turns the attitude of the last decoupled sample by a rotation vector, shell axes, rad, and changes its rate, rad/s: the next
     /// sample goes on from there. Nothing happens before the first answer, or if the change is not finite.
     pub(super) fn steer(&mut self, turn_shell_rad: DVec3, rate_shell_rad_s: DVec3) {

@@ -9,6 +9,7 @@
 
 use super::{Decoupler, in_range};
 use crate::error::Result;
+use crate::geometry::LIMBS;
 use crate::kernel::attitude::{HALF_ANGLE_SQUARED_LIMIT, exp, exp_exactly, half_rotation};
 use crate::kernel::channel_mask::ChannelMask;
 use crate::kernel::number::Scalar;
@@ -32,7 +33,6 @@ impl<T: Scalar> Decoupler<T> {
     #[cold]
     #[inline(never)]
     pub fn set_excluded(&mut self, excluded: LimbSet) -> Result<()> {
-        let received = self.state.received;
         let stiffness_ratio = self.mask.reconstruction.stiffness_ratio();
         let mut switched = Self {
             mask: ChannelMask::excluding(excluded, stiffness_ratio, &self.exact)?,
@@ -41,20 +41,47 @@ impl<T: Scalar> Decoupler<T> {
             ..self.clone()
         };
         switched.wider = T::Wider::new(&switched.constants, &switched.mask.strains);
-        if received >= 1 {
-            switched.state.now = switched.place_again(received - 1)?;
-        }
-        if received >= 2 {
-            switched.state.before = switched.place_again(received - 2)?.relative_pose();
-        }
-        if received >= 3 {
-            switched.take_back(self)?;
-        }
+        switched.replay(self)?;
         self.mask = switched.mask;
         self.constants = switched.constants;
         self.wider = switched.wider;
         self.fast = switched.fast;
         self.state = switched.state;
+        Ok(())
+    }
+
+    /// Takes the last two samples for what they are once these voltages are added to theirs, the earlier one's first, and goes on from
+    /// there as if they had always been: constants of a channel that turn out to be others than they were taken for.
+    ///
+    /// # Errors
+    /// Those of [`Decoupler::push`] for one of these samples. The decoupler is then unchanged.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn add_to_recent(&mut self, by_v: [[T; LIMBS]; 2]) -> Result<()> {
+        let mut changed = self.clone();
+        let received = changed.state.received;
+        for (sample, by_v) in (0..received).rev().zip(by_v.into_iter().rev()) {
+            let row = &mut changed.recent[(sample & 1) as usize];
+            row.iter_mut().zip(by_v).for_each(|(u, by)| *u = *u + by);
+        }
+        changed.replay(self)?;
+        self.recent = changed.recent;
+        self.state = changed.state;
+        Ok(())
+    }
+
+    /// The last two samples anew, with the voltages that are remembered now and the limbs that are now in use.
+    fn replay(&mut self, old: &Self) -> Result<()> {
+        let received = self.state.received;
+        if received >= 1 {
+            self.state.now = self.place_again(received - 1)?;
+        }
+        if received >= 2 {
+            self.state.before = self.place_again(received - 2)?.relative_pose();
+        }
+        if received >= 3 {
+            self.take_back(old)?;
+        }
         Ok(())
     }
 
