@@ -85,6 +85,7 @@ fn cell_words(cell: Corner) -> String {
         }
         Corner::LevelAxis => "axis level".to_owned(),
         Corner::SignalToNoiseDb(db) => format!("{db} dB"),
+        Corner::RodMass(share) => format!("limbs' mass {} %", significant(200.0 * share, 1)),
         Corner::Room(Room::Gentle) => "gentle room".to_owned(),
         Corner::Room(Room::Usual) => "usual room".to_owned(),
         Corner::Defect(kind) => kind.name().replace('_', " "),
