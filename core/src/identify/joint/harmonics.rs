@@ -15,8 +15,10 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
+use core::ops::RangeInclusive;
 
 use nalgebra::{Complex, DVector};
+use pulp::Arch;
 
 use crate::float::{sin_cos, sqrt};
 
@@ -209,7 +211,12 @@ impl<const C: usize> Folded<C> {
         }
     }
 
-    /// z_k of each series.
+    /// z_k of each series, of k from 1 on in a range.
+    fn harmonics(&self, range: RangeInclusive<usize>) -> Vec<[Complex<f64>; C]> {
+        Arch::new().dispatch(|| range.map(|k| self.harmonic(k)).collect())
+    }
+
+    #[inline(always)]
     fn harmonic(&self, k: usize) -> [Complex<f64>; C] {
         let n = self.samples;
         let scale = sqrt(2.0 / n as f64);
@@ -236,7 +243,7 @@ pub fn project<const C: usize>(grid: &Grid, row: impl Fn(usize) -> [f64; C]) -> 
     let n = grid.samples;
     let folded = Folded::new(n, row);
     let root_n = sqrt(n as f64);
-    let z: Vec<[Complex<f64>; C]> = (1..=grid.harmonics).map(|k| folded.harmonic(k)).collect();
+    let z = folded.harmonics(1..=grid.harmonics);
     let (squares, sums) = (&folded.squares, &folded.sums);
     let left = (n - grid.coordinates()) as f64;
     let variance = core::array::from_fn(|c| {
@@ -257,40 +264,48 @@ pub fn project<const C: usize>(grid: &Grid, row: impl Fn(usize) -> [f64; C]) -> 
 pub(super) fn squares<const C: usize>(
     grid: &Grid,
     row: impl Fn(usize) -> [f64; C],
-    harmonics: core::ops::RangeInclusive<usize>,
+    harmonics: RangeInclusive<usize>,
 ) -> [Vec<f64>; C] {
-    let folded = Folded::new(grid.samples, row);
-    let of: Vec<[f64; C]> = harmonics
-        .map(|k| folded.harmonic(k).map(|z| 0.5 * z.norm_sqr()))
-        .collect();
-    core::array::from_fn(|c| of.iter().map(|squares| squares[c]).collect())
+    let of = Folded::new(grid.samples, row).harmonics(harmonics);
+    core::array::from_fn(|c| of.iter().map(|z| 0.5 * z[c].norm_sqr()).collect())
 }
 
-/// Mean square of the coordinates of some harmonics of a series, from 1.
-pub(super) fn mean_square(
+/// Mean square of the coordinates of some harmonics of each series, from 1.
+pub(super) fn mean_square<const C: usize>(
     grid: &Grid,
-    series: &[f64],
-    harmonics: core::ops::RangeInclusive<usize>,
-) -> f64 {
+    row: impl Fn(usize) -> [f64; C],
+    harmonics: RangeInclusive<usize>,
+) -> [f64; C] {
     let n = grid.samples;
-    let table = turn(n);
-    let (mut squares, mut coordinates) = (0.0, 0.0);
+    let (table, rows) = (turn(n), (0..n).map(row).collect::<Vec<_>>());
+    let (mut squares, mut coordinates) = ([0.0; C], 0.0);
     for k in harmonics {
-        let (mut re, mut im) = (0.0, 0.0);
-        let mut phase = 0;
-        for u in series {
-            let (sin, cos) = table[phase];
-            re += u * cos;
-            im -= u * sin;
-            phase += k;
-            if phase >= n {
-                phase -= n;
-            }
+        let (re, im) = Arch::new().dispatch(|| sums(&rows, &table, k));
+        for c in 0..C {
+            squares[c] += (re[c] * re[c] + im[c] * im[c]) * 2.0 / n as f64;
         }
-        squares += (re * re + im * im) * 2.0 / n as f64;
         coordinates += 2.0;
     }
-    squares / coordinates
+    squares.map(|squares| squares / coordinates)
+}
+
+/// Sums of series times the cosine and minus the sine of k turns over a record.
+#[inline(always)]
+fn sums<const C: usize>(rows: &[[f64; C]], table: &[(f64, f64)], k: usize) -> ([f64; C], [f64; C]) {
+    let (mut re, mut im) = ([0.0; C], [0.0; C]);
+    let mut phase = 0;
+    for row in rows {
+        let (sin, cos) = table[phase];
+        for c in 0..C {
+            re[c] += row[c] * cos;
+            im[c] -= row[c] * sin;
+        }
+        phase += k;
+        if phase >= rows.len() {
+            phase -= rows.len();
+        }
+    }
+    (re, im)
 }
 
 fn change<const C: usize>(row: [f64; C], origin: &[f64; C]) -> [f64; C] {

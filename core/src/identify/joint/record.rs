@@ -1,7 +1,5 @@
 //! A trial as it was recorded, checked and projected on its harmonics: what the fit works with instead of samples.
 
-use alloc::vec::Vec;
-
 use glam::DVec3;
 use nalgebra::DVector;
 
@@ -129,15 +127,12 @@ impl Record<'_> {
                 .max(grid.harmonics + FEWEST_FOR_NOISE / 2);
             (last < samples / 2).then_some(grid.harmonics + 1..=last)
         };
-        let series =
-            |channel: usize| -> Vec<f64> { (0..samples).map(|n| row(n)[channel]).collect() };
         if let Some(band) = white(self.limbs_band_hz) {
-            for limb in 0..LIMBS {
-                data.variance[limb] = mean_square(grid, &series(limb), band.clone());
-            }
+            let limbs = |n: usize| core::array::from_fn::<f64, LIMBS, _>(|limb| row(n)[limb]);
+            data.variance[..LIMBS].copy_from_slice(&mean_square(grid, limbs, band));
         }
         if let Some(band) = white(self.standard_band_hz) {
-            data.variance[LIMBS] = mean_square(grid, &series(LIMBS), band);
+            [data.variance[LIMBS]] = mean_square(grid, |n| [row(n)[LIMBS]], band);
         }
         // A limb may well feel nothing in a trial, all of them may not.
         let largest =
