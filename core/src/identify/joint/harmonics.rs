@@ -120,6 +120,9 @@ pub(super) fn harmonic(v: &DVector<f64>, k: usize) -> Complex<f64> {
     Complex::new(v[2 * k - 1], v[2 * k])
 }
 
+/// Harmonics that are made in one pass over the samples, whose numbers take longer to fetch than to multiply.
+const TOGETHER: usize = 3;
+
 /// Several series of one record, projected.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Projection<const C: usize> {
@@ -213,28 +216,53 @@ impl<const C: usize> Folded<C> {
 
     /// z_k of each series, of k from 1 on in a range.
     fn harmonics(&self, range: RangeInclusive<usize>) -> Vec<[Complex<f64>; C]> {
-        Arch::new().dispatch(|| range.map(|k| self.harmonic(k)).collect())
+        let scale = sqrt(2.0 / self.samples as f64);
+        turned((&self.even, &self.odd), &self.table, range)
+            .map(|(re, im)| core::array::from_fn(|c| Complex::new(scale * re[c], scale * im[c])))
+            .collect()
     }
+}
 
-    #[inline(always)]
-    fn harmonic(&self, k: usize) -> [Complex<f64>; C] {
-        let n = self.samples;
-        let scale = sqrt(2.0 / n as f64);
-        let (mut re, mut im) = ([0.0; C], [0.0; C]);
-        let mut phase = 0;
-        for (plus, minus) in self.even.iter().zip(&self.odd) {
-            let (sin, cos) = self.table[phase];
+/// Sums of series times the cosine of k turns over a record, and of others times minus its sine, for each k of a range.
+fn turned<const C: usize>(
+    (even, odd): (&[[f64; C]], &[[f64; C]]),
+    table: &[(f64, f64)],
+    range: RangeInclusive<usize>,
+) -> impl Iterator<Item = ([f64; C], [f64; C])> {
+    let count = (range.end() + 1).saturating_sub(*range.start());
+    // The last pass may be for more of them than are wanted: it takes as long.
+    range
+        .step_by(TOGETHER)
+        .flat_map(move |first| Arch::new().dispatch(|| turned_together(even, odd, table, first)))
+        .take(count)
+}
+
+#[inline(always)]
+fn turned_together<const C: usize>(
+    even: &[[f64; C]],
+    odd: &[[f64; C]],
+    table: &[(f64, f64)],
+    first: usize,
+) -> [([f64; C], [f64; C]); TOGETHER] {
+    let mut sums = [([0.0; C], [0.0; C]); TOGETHER];
+    let mut phases = [0; TOGETHER];
+    for (plus, minus) in even.iter().zip(odd) {
+        for (j, phase) in phases.iter_mut().enumerate() {
+            let (sin, cos) = table[*phase];
+            let (re, im) = &mut sums[j];
             for c in 0..C {
                 re[c] += plus[c] * cos;
+            }
+            for c in 0..C {
                 im[c] -= minus[c] * sin;
             }
-            phase += k;
-            if phase >= n {
-                phase -= n;
+            *phase += first + j;
+            if *phase >= table.len() {
+                *phase -= table.len();
             }
         }
-        core::array::from_fn(|c| Complex::new(scale * re[c], scale * im[c]))
     }
+    sums
 }
 
 /// Projects the series whose samples `row` gives.
@@ -279,33 +307,13 @@ pub(super) fn mean_square<const C: usize>(
     let n = grid.samples;
     let (table, rows) = (turn(n), (0..n).map(row).collect::<Vec<_>>());
     let (mut squares, mut coordinates) = ([0.0; C], 0.0);
-    for k in harmonics {
-        let (re, im) = Arch::new().dispatch(|| sums(&rows, &table, k));
+    for (re, im) in turned((&rows, &rows), &table, harmonics) {
         for c in 0..C {
             squares[c] += (re[c] * re[c] + im[c] * im[c]) * 2.0 / n as f64;
         }
         coordinates += 2.0;
     }
     squares.map(|squares| squares / coordinates)
-}
-
-/// Sums of series times the cosine and minus the sine of k turns over a record.
-#[inline(always)]
-fn sums<const C: usize>(rows: &[[f64; C]], table: &[(f64, f64)], k: usize) -> ([f64; C], [f64; C]) {
-    let (mut re, mut im) = ([0.0; C], [0.0; C]);
-    let mut phase = 0;
-    for row in rows {
-        let (sin, cos) = table[phase];
-        for c in 0..C {
-            re[c] += row[c] * cos;
-            im[c] -= row[c] * sin;
-        }
-        phase += k;
-        if phase >= rows.len() {
-            phase -= rows.len();
-        }
-    }
-    (re, im)
 }
 
 fn change<const C: usize>(row: [f64; C], origin: &[f64; C]) -> [f64; C] {
