@@ -36,8 +36,8 @@ pub struct AidedDecoupler {
     gathering: Gathering,
     step_s: f64,
     channels: Channels,
-    /// Those with which the last samples were decoupled.
-    decoupled_with: Channels,
+    /// Those with which the last samples were decoupled, where they have been corrected since.
+    corrected_from: Option<Channels>,
     /// Voltages of the sample that is answered next, and of the one that was answered last.
     before: [f64; LIMBS],
     answered: [f64; LIMBS],
@@ -68,7 +68,7 @@ impl AidedDecoupler {
             gathering: Gathering::new(settings.sample_rate_hz, BLOCK_S),
             step_s: 1.0 / settings.sample_rate_hz,
             channels: Channels::new(*parameters),
-            decoupled_with: Channels::new(*parameters),
+            corrected_from: None,
             before: [0.0; LIMBS],
             answered: [0.0; LIMBS],
             last: None,
@@ -86,7 +86,9 @@ impl AidedDecoupler {
     /// # Errors
     /// Those of [`Decoupler::push`].
     pub fn push(&mut self, voltage_v: &[f64; LIMBS]) -> Result<Option<SixAxis>> {
-        self.mend_recent()?;
+        if self.corrected_from.is_some() {
+            self.mend_recent()?;
+        }
         let mended = self.channels.mended(voltage_v);
         let answer = self.decoupler.push(&mended)?;
         self.answered = core::mem::replace(&mut self.before, mended);
@@ -102,14 +104,13 @@ impl AidedDecoupler {
     }
 
     /// What has been found of the channels holds for the sample that is answered next, too, and for the one before it.
+    #[cold]
     fn mend_recent(&mut self) -> Result<()> {
-        if self.decoupled_with == self.channels {
-            return Ok(());
+        if let Some(before) = &self.corrected_from {
+            let rows = [&mut self.answered, &mut self.before];
+            self.decoupler.mend_recent(rows, &self.channels, before)?;
         }
-        let rows = [&mut self.answered, &mut self.before];
-        self.decoupler
-            .mend_recent(rows, &self.channels, &self.decoupled_with)?;
-        self.decoupled_with = self.channels;
+        self.corrected_from = None;
         Ok(())
     }
 
@@ -276,6 +277,7 @@ impl AidedDecoupler {
         now.attitude = (now.attitude * crate::paper::attitude::exp(turn_shell)).normalize();
         now.rate_shell_rad_s -= found.rate_shell_rad_s;
         self.velocity -= found.velocity_ground_m_s;
+        self.corrected_from.get_or_insert(self.channels);
         self.channels.take(found);
     }
 
