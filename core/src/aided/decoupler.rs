@@ -84,7 +84,7 @@ impl AidedDecoupler {
     /// Takes the next nine voltages and returns the sample before them, once there are three.
     ///
     /// # Errors
-    /// Those of [`Decoupler::push`].
+    /// Those of [`Decoupler::push`], of this sample or, after a correction, of the two before it, which are then left as they were.
     pub fn push(&mut self, voltage_v: &[f64; LIMBS]) -> Result<Option<SixAxis>> {
         if self.corrected_from.is_some() {
             self.mend_recent()?;
@@ -106,12 +106,11 @@ impl AidedDecoupler {
     /// What has been found of the channels holds for the sample that is answered next, too, and for the one before it.
     #[cold]
     fn mend_recent(&mut self) -> Result<()> {
-        if let Some(before) = &self.corrected_from {
-            let rows = [&mut self.answered, &mut self.before];
-            self.decoupler.mend_recent(rows, &self.channels, before)?;
-        }
-        self.corrected_from = None;
-        Ok(())
+        let Some(before) = self.corrected_from.take() else {
+            return Ok(());
+        };
+        let rows = [&mut self.answered, &mut self.before];
+        self.decoupler.mend_recent(rows, &self.channels, &before)
     }
 
     /// The block that the last sample completed: what is known can be used now, and deviations are those of this sample.
