@@ -28,6 +28,7 @@ use sixaxis_reference::sensor::TrueSensor;
 pub use self::watched::{Checked, Judged, KNOWN_RAD, OPEN_S, Outcome};
 use self::watched::{Common, Run};
 use crate::truth;
+use crate::undone::{Amplifier, UndoneNoise};
 
 /// Random stream of the runs.
 const STREAM: u128 = 21;
@@ -134,6 +135,8 @@ pub struct Ride {
     pub rate_hz: f64,
     /// What the calibration leaves open.
     pub quality: Quality,
+    /// A high-pass of the amplifiers that is undone.
+    pub amplifier: Option<Amplifier>,
     /// Whether it is smoothed, too: several times the work.
     pub smooth: bool,
     /// Limbs whose channels are not read.
@@ -151,6 +154,7 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
         duration_s,
         rate_hz,
         quality,
+        amplifier,
         smooth,
         without,
     } = *ride;
@@ -216,14 +220,24 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
     filter
         .set_excluded(without)
         .expect("limbs that are not needed");
-    let new = || AidedDecoupler::new(decoupler.clone(), filter.clone(), &parameters, &settings);
+    let mut undone =
+        amplifier.map(|amplifier| UndoneNoise::new(&amplifier, &[noise_v; LIMBS], rate_hz, rng));
+    let wander = amplifier.and_then(|amplifier| amplifier.wander(&noise.white_v, rate_hz));
+    let new = || {
+        let aided = AidedDecoupler::new(decoupler.clone(), filter.clone(), &parameters, &settings);
+        let mut aided = if smooth { aided.remembering() } else { aided };
+        wander
+            .into_iter()
+            .for_each(|wander| aided.set_zero_wander(wander));
+        aided
+    };
     let mut runs: Vec<Run<'_>> = aids
         .iter()
         .enumerate()
         .map(|(number, aids)| Run {
             aids,
             rng: Pcg64::new(u128::from(seed), FIXES + number as u128),
-            aided: if smooth { new().remembering() } else { new() },
+            aided: new(),
             rests: RestFinder::new(filter.model(), &[noise_v; LIMBS], rate_hz),
             next_velocity_s: 0.0,
             next_fix_s: 0.0,
@@ -255,9 +269,14 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
         sample += piece.len();
         for (motion, force) in piece {
             let mut volts = signal(&force);
-            for v in &mut volts {
-                let unit: f64 = StandardNormal.sample(rng);
-                *v += noise_v * unit;
+            for (limb, v) in volts.iter_mut().enumerate() {
+                *v += match &mut undone {
+                    Some(undone) => undone.next(limb, rng),
+                    None => {
+                        let unit: f64 = StandardNormal.sample(rng);
+                        noise_v * unit
+                    }
+                };
             }
             let truth = before.map(|before| TrueMotion {
                 linear_ground_m_s2: said * before.linear_ground_m_s2,

@@ -30,3 +30,4 @@ pub mod strategy;
 pub mod taps;
 pub mod tolerance;
 pub mod truth;
+pub mod undone;

@@ -17,6 +17,7 @@ use super::history::{Event, History};
 use super::second_pass::SmoothedDecoupler;
 use super::steady::Steady;
 use crate::decouple::stream::Decoupler;
+use crate::decouple::uncertainty::ZeroWander;
 use crate::error::Result;
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
@@ -258,6 +259,15 @@ impl AidedDecoupler {
     pub fn set_excluded(&mut self, limbs: LimbSet) -> Result<()> {
         self.decoupler.set_excluded(limbs)?;
         self.filter.set_excluded(limbs)
+    }
+
+    /// Zeros wander from the first sample on. To be called before it.
+    pub fn set_zero_wander(&mut self, wander: ZeroWander) {
+        self.filter.set_zero_wander(wander);
+        #[cfg(feature = "alloc")]
+        if let Some(history) = &mut self.history {
+            **history = History::new(&self.filter, &self.channels);
+        }
     }
 
     /// Whether nothing of first order is known of the attitude. A velocity that is only bounded would be held against gravity in any

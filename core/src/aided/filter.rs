@@ -14,17 +14,19 @@ use super::model::{
     ATTITUDE, DYNAMIC, Dynamics, ERRORS, ErrorModel, PARAMETRIC, RATE, Transition, VELOCITY, times,
 };
 use crate::columns::matrix;
-use crate::decouple::uncertainty::{ChannelNoise, Covariance};
+use crate::decouple::uncertainty::{ChannelNoise, Covariance, ZeroWander};
 use crate::error::{Result, require_not_negative};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
 use crate::model::{Parameters, Sensor, Settings};
-use crate::parameter::SCALE;
+use crate::parameter::{DRIFT, SCALE};
 use crate::six_axis::SixAxis;
 
 /// Those that a measurement corrects: the dynamic ones, zero drifts and scale factors.
 pub(super) const CORRECTED: usize = DYNAMIC + SCALE.end;
+/// Place of the first zero's error; those of all follow upon the dynamic ones.
+const ZEROS: usize = DYNAMIC + DRIFT.start;
 /// Innovations squared over their covariance that one of a thousand measurements of three numbers has.
 pub(super) const ONE_OF_A_THOUSAND: f64 = 16.27;
 /// Deviation of the attitude beyond which nothing of first order is to be believed, rad.
@@ -47,6 +49,27 @@ pub(super) fn change(covariance: &mut ErrorCovariance, by: &Dynamics) {
         .copy_from(&columns);
 }
 
+/// What zeros that have wandered over a block add to the covariance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Wandered {
+    /// V^2.
+    pub(super) variance_v2: [f64; LIMBS],
+    /// Of the dynamic errors with theirs.
+    pub(super) shared: SMatrix<f64, DYNAMIC, LIMBS>,
+}
+
+impl Wandered {
+    fn add_to(&self, covariance: &mut ErrorCovariance) {
+        let mut crossed = covariance.fixed_view_mut::<DYNAMIC, LIMBS>(0, ZEROS);
+        crossed += self.shared;
+        let mut crossed = covariance.fixed_view_mut::<LIMBS, DYNAMIC>(ZEROS, 0);
+        crossed += self.shared.transpose();
+        for (limb, variance) in self.variance_v2.iter().enumerate() {
+            covariance[(ZEROS + limb, ZEROS + limb)] += variance;
+        }
+    }
+}
+
 /// The square of an innovation, by the inverse of its covariance.
 fn size(measurement: &Measurement, weight: &Matrix3<f64>) -> f64 {
     let innovation = measurement.decoded_less_measured;
@@ -61,6 +84,8 @@ pub struct ErrorFilter {
     pub(super) bending: Bending,
     /// Whether the attitude has been beyond first order since something told it: what the covariance says of it is not to be believed.
     lost: bool,
+    /// How the zeros wander, and since when, s.
+    wander: Option<(ZeroWander, f64)>,
 }
 
 impl ErrorFilter {
@@ -92,6 +117,7 @@ impl ErrorFilter {
             covariance: all,
             bending: Bending::none(),
             lost: false,
+            wander: None,
         };
         filter.open_down(settings, down_deviation_rad);
         Ok(filter)
@@ -133,6 +159,11 @@ impl ErrorFilter {
         self.model.set_excluded(limbs)
     }
 
+    /// From here on zeros wander, as those of a recording of which this is the first sample.
+    pub fn set_zero_wander(&mut self, wander: ZeroWander) {
+        self.wander = Some((wander, 0.0));
+    }
+
     /// The model.
     #[must_use]
     pub fn model(&self) -> &ErrorModel {
@@ -146,7 +177,11 @@ impl ErrorFilter {
     }
 
     /// The same where the block's transition is wanted besides.
-    pub(super) fn advance_by(&mut self, block: &Block, transition: &Transition) {
+    pub(super) fn advance_by(
+        &mut self,
+        block: &Block,
+        transition: &Transition,
+    ) -> Option<Wandered> {
         let Transition { by_errors, noise } = transition;
         let [force, _] = self.model.turned(block);
         let to_ground = DMat3::from_quat(block.attitude);
@@ -176,6 +211,15 @@ impl ErrorFilter {
         if unknown_rad > TURN_RAD {
             self.bound_unknown_turns();
         }
+        let (wander, since_s) = self.wander.as_mut()?;
+        let from_s = *since_s;
+        *since_s += block.duration_s;
+        let wandered = Wandered {
+            variance_v2: wander.growth_v2(from_s, *since_s),
+            shared: self.model.shared(block, wander),
+        };
+        wandered.add_to(&mut self.covariance);
+        Some(wandered)
     }
 
     /// The square of a measurement's innovation over its covariance: chi square with three degrees of freedom where all is as stated. None

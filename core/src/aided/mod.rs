@@ -23,6 +23,7 @@
 //! | `channels` | zero drifts and scale factors that the filter has corrected |
 //! | `history` | what is remembered of a recording that is to be smoothed |
 //! | `smoother` | what the whole of it says of each of its times |
+//! | `gain` | by how much errors go back over a block of it |
 //! | [`second_pass`] | the same recording decoupled with that |
 //!
 //! # Errors
@@ -41,6 +42,10 @@
 //! alone is measured against: to first order a turn about it seems to show once other errors are large, and it does not. Velocities,
 //! those of rests, too, leave scale factors alone. Stiffness has no part.
 //!
+//! Where an amplifier's high-pass is undone, zeros wander
+//! ([`ZeroWander`](crate::decouple::uncertainty::ZeroWander)): by a walk, whose steps are the channels' own noise, and by a ramp, which the
+//! filter takes for a walk that comes as far.
+//!
 //! Two things are of second order: an error of the attitude has turned itself on, and has bent gravity into the velocity by half its
 //! square, which a rest tells to a millimetre a second. Both are taken off with an error that is found, and what is left counts about the
 //! corrected ones.
@@ -54,6 +59,8 @@ pub mod correction;
 pub mod decoupler;
 mod deviations;
 pub mod filter;
+#[cfg(feature = "alloc")]
+mod gain;
 #[cfg(feature = "alloc")]
 mod history;
 pub mod model;

@@ -17,7 +17,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::block::Block;
 use crate::columns::{cross, matrix};
+use crate::decouple::uncertainty::ZeroWander;
 pub use crate::decouple::uncertainty::error_model::{ErrorModel, PARAMETRIC};
+use crate::geometry::LIMBS;
 use crate::paper::attitude;
 
 /// Errors that have dynamics: attitude, rate, velocity.
@@ -143,6 +145,33 @@ impl ErrorModel {
         put(VELOCITY, RATE, r * both * h);
         put(VELOCITY, ATTITUDE, r * both * r.transpose() * (0.5 * h * h));
         q
+    }
+
+    /// Covariance that a block adds of the dynamic errors with zeros that wander, by the noise that both integrate: a zero that walks up is one
+    /// that is taken for too low.
+    pub(super) fn shared(
+        &self,
+        block: &Block,
+        wander: &ZeroWander,
+    ) -> SMatrix<f64, DYNAMIC, LIMBS> {
+        let h = block.duration_s;
+        let turned = block.attitude * attitude::exp(block.rate_shell_rad_s * (-0.5 * h));
+        let r = matrix(DMat3::from_quat(turned));
+        let mut per_volt = self.per_volt;
+        for (mut column, shared_v2) in per_volt.column_iter_mut().zip(wander.shared_v2()) {
+            column *= -shared_v2 * h;
+        }
+        let angular = per_volt.fixed_rows::<3>(0).into_owned();
+        let linear = per_volt.fixed_rows::<3>(3).into_owned();
+        let mut shared = SMatrix::<f64, DYNAMIC, LIMBS>::zeros();
+        shared
+            .fixed_rows_mut::<3>(ATTITUDE)
+            .copy_from(&(times(&r, &angular) * (0.5 * h)));
+        shared.fixed_rows_mut::<3>(RATE).copy_from(&angular);
+        shared
+            .fixed_rows_mut::<3>(VELOCITY)
+            .copy_from(&times(&r, &linear));
+        shared
     }
 
     /// Errors of a and w', ground axes, by the errors after a block.

@@ -29,20 +29,18 @@
 use alloc::vec::Vec;
 
 use glam::{DQuat, DVec3};
-use nalgebra::{Cholesky, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 
 use super::channels::Channels;
 use super::correction::{Correction, Update};
 use super::deviations::{Deviations, across};
-use super::filter::{CORRECTED, ErrorCovariance, change};
+use super::filter::{ErrorCovariance, Wandered, change};
+use super::gain;
 use super::history::{Event, History, Segment};
 use super::model::{ATTITUDE, DYNAMIC, Dynamics, ERRORS, PARAMETRIC, Transition, times};
-use crate::float::sqrt;
 use crate::model::Parameters;
 use crate::six_axis::SixAxis;
 
-/// Added to the correlation of each error with itself: some are known by others, drifts by down at the first sample.
-const JITTER: f64 = 1e-12;
 /// Deviation of the filter's attitude up to which errors are taken back, rad. Half its square is what second order makes of it, and a
 /// smoothed attitude is known better than that of the filter.
 const FIRST_ORDER_RAD: f64 = 0.05;
@@ -87,6 +85,7 @@ impl Smoothed {
 struct Step {
     transition: Transition,
     predicted: ErrorCovariance,
+    wandered: Option<Wandered>,
     updates: Vec<Update>,
     filtered: ErrorCovariance,
     channels: Channels,
@@ -170,7 +169,7 @@ fn carried(segment: &Segment<'_>) -> Vec<Step> {
     let mut steps = Vec::with_capacity(segment.blocks.len());
     for (number, passed) in segment.blocks.iter().enumerate() {
         let transition = filter.model().transition(&passed.block);
-        filter.advance_by(&passed.block, &transition);
+        let wandered = filter.advance_by(&passed.block, &transition);
         let predicted = *filter.covariance();
         let mut updates = Vec::new();
         let mut tared = false;
@@ -193,6 +192,7 @@ fn carried(segment: &Segment<'_>) -> Vec<Step> {
         steps.push(Step {
             transition,
             predicted,
+            wandered,
             updates,
             filtered: *filter.covariance(),
             channels,
@@ -266,31 +266,45 @@ impl Backwards {
 
     fn carry(&mut self, step: &Step) {
         let Transition { by_errors, noise } = &step.transition;
-        let gain = gain(step);
-        let back = times(&gain, &self.found);
-        self.found.fixed_rows_mut::<DYNAMIC>(0).copy_from(&back);
-        // Shares of errors that have dynamics, and what noise these have had meanwhile.
-        let driven = self.share.fixed_columns::<DYNAMIC>(0).into_owned();
-        let all = self.noise + times(&times(&driven, noise), &driven.transpose());
-        let crossed = times(&gain, &all);
-        let own = times(&crossed, &gain.transpose());
-        self.noise = all;
-        self.noise.fixed_rows_mut::<DYNAMIC>(0).copy_from(&crossed);
-        let columns = crossed.transpose();
-        self.noise
-            .fixed_columns_mut::<DYNAMIC>(0)
-            .copy_from(&columns);
-        self.noise
-            .fixed_view_mut::<DYNAMIC, DYNAMIC>(0, 0)
-            .copy_from(&((own + own.transpose()) * 0.5));
-        let rows = times(&gain, &self.share);
-        self.share.fixed_rows_mut::<DYNAMIC>(0).copy_from(&rows);
+        match &step.wandered {
+            None => self.before_noise(&gain::of_dynamic(&step.predicted, by_errors, noise), noise),
+            Some(wandered) => {
+                let all = gain::noise_where_zeros_wander(noise, wandered);
+                let gain = gain::where_zeros_wander(&step.predicted, by_errors, &all);
+                self.before_noise(&gain, &all);
+            }
+        }
         let driven = self.share.fixed_columns::<DYNAMIC>(0).into_owned();
         let mut shares = times(&driven, by_errors);
         let kept = self.share.fixed_columns::<PARAMETRIC>(DYNAMIC);
         let mut parametric = shares.fixed_columns_mut::<PARAMETRIC>(DYNAMIC);
         parametric += kept;
         self.share = shares;
+    }
+
+    /// From a block's end to its beginning, but that the shares are still of errors at its end, by the gain's rows of the errors that have had
+    /// noise of this covariance meanwhile. The others go back as they are.
+    fn before_noise<const ROWS: usize>(
+        &mut self,
+        gain: &SMatrix<f64, ROWS, ERRORS>,
+        noise: &SMatrix<f64, ROWS, ROWS>,
+    ) {
+        let back = times(gain, &self.found);
+        self.found.fixed_rows_mut::<ROWS>(0).copy_from(&back);
+        // Shares of these errors, and what noise they have had.
+        let driven = self.share.fixed_columns::<ROWS>(0).into_owned();
+        let all = self.noise + times(&times(&driven, noise), &driven.transpose());
+        let crossed = times(gain, &all);
+        let own = times(&crossed, &gain.transpose());
+        self.noise = all;
+        self.noise.fixed_rows_mut::<ROWS>(0).copy_from(&crossed);
+        let columns = crossed.transpose();
+        self.noise.fixed_columns_mut::<ROWS>(0).copy_from(&columns);
+        self.noise
+            .fixed_view_mut::<ROWS, ROWS>(0, 0)
+            .copy_from(&((own + own.transpose()) * 0.5));
+        let rows = times(gain, &self.share);
+        self.share.fixed_rows_mut::<ROWS>(0).copy_from(&rows);
     }
 
     /// Of a sample that was decoded so, with the filter's covariance and the channels as they were corrected by then.
@@ -320,50 +334,4 @@ impl Backwards {
 
 fn attitude_variance(covariance: &ErrorCovariance) -> f64 {
     covariance.fixed_view::<3, 3>(ATTITUDE, ATTITUDE).trace()
-}
-
-/// Rows of C of the errors that have dynamics; the others go back as they are.
-fn gain(step: &Step) -> SMatrix<f64, DYNAMIC, ERRORS> {
-    let Transition { by_errors, noise } = &step.transition;
-    let by_dynamic = by_errors.fixed_columns::<DYNAMIC>(0).into_owned();
-    let (Some(inverse), Some(weight)) = (by_dynamic.try_inverse(), weight(&step.predicted)) else {
-        return SMatrix::zeros();
-    };
-    let mut left = times(noise, &weight) * -1.0;
-    let mut own = left.fixed_columns_mut::<DYNAMIC>(0);
-    own += SMatrix::<f64, DYNAMIC, DYNAMIC>::identity();
-    let mut parametric = left.fixed_columns_mut::<PARAMETRIC>(DYNAMIC);
-    parametric -= by_errors.fixed_columns::<PARAMETRIC>(DYNAMIC);
-    times(&inverse, &left)
-}
-
-/// Rows of the inverse of a covariance of the errors that are corrected: those that have dynamics.
-fn weight(covariance: &ErrorCovariance) -> Option<SMatrix<f64, DYNAMIC, ERRORS>> {
-    let over_deviation = SVector::<f64, CORRECTED>::from_fn(|i, _| {
-        let variance = covariance[(i, i)];
-        if variance > 0.0 {
-            1.0 / sqrt(variance)
-        } else {
-            0.0
-        }
-    });
-    let correlation = SMatrix::<f64, CORRECTED, CORRECTED>::from_fn(|i, j| {
-        if i == j {
-            1.0 + JITTER
-        } else {
-            covariance[(i, j)] * over_deviation[i] * over_deviation[j]
-        }
-    });
-    let mut solved =
-        SMatrix::<f64, CORRECTED, DYNAMIC>::from_fn(
-            |i, j| {
-                if i == j { over_deviation[i] } else { 0.0 }
-            },
-        );
-    Cholesky::new(correlation)?.solve_mut(&mut solved);
-    let mut weight = SMatrix::<f64, DYNAMIC, ERRORS>::zeros();
-    weight.fixed_columns_mut::<CORRECTED>(0).copy_from(
-        &SMatrix::<f64, DYNAMIC, CORRECTED>::from_fn(|i, j| solved[(j, i)] * over_deviation[j]),
-    );
-    Some(weight)
 }

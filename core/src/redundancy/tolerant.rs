@@ -11,6 +11,7 @@
 //! ([`crate::redundancy::reconstruction`]). Such answers are decoded from the limbs that are not excluded, failed ones among them.
 
 use crate::decouple::Decoupler;
+use crate::decouple::uncertainty::ZeroWander;
 use crate::error::{Result, require_samples};
 use crate::geometry::LIMBS;
 use crate::limb_set::LimbSet;
@@ -94,6 +95,11 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
     pub fn with_cross_talk(mut self, cross_talk: Option<CrossTalk>) -> Self {
         self.cross_talk = cross_talk;
         self
+    }
+
+    /// Allows for what zeros have wandered by at a time; to be called from time to time.
+    pub fn allow_for(&mut self, wander: &ZeroWander, time_s: f64) {
+        self.monitor.allow_for(wander, time_s);
     }
 
     /// The monitor.

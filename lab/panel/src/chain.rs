@@ -90,6 +90,9 @@ pub struct Chain {
     /// The low-pass of what stands beside the samples.
     filter: Option<Vec<SectionsState>>,
     decoder: Option<LiveDecoder>,
+    /// Samples that the stages have answered, and whether the decoder knows about which levels they undo a high-pass.
+    conditioned_samples: u64,
+    knows_levels: bool,
     /// Means at the last rest, V: the zeros where the design is decoded with.
     pub zero_v: Option<[f64; LIMBS]>,
     answer: Option<SixAxis>,
@@ -122,6 +125,8 @@ impl Chain {
             beside: VecDeque::new(),
             filter: None,
             decoder: None,
+            conditioned_samples: 0,
+            knows_levels: false,
             zero_v: None,
             answer: None,
             conditioned: [0.0; LIMBS],
@@ -155,6 +160,7 @@ impl Chain {
         self.sample_rate_hz = sample_rate_hz;
         self.delay_s = 0.0;
         self.beside.clear();
+        self.conditioned_samples = 0;
         self.conditioning = Some(Conditioning::new(stages, delays_s, sample_rate_hz)?);
         if let Some(corner_hz) = stages.low_pass_hz {
             let sections = butterworth::low_pass(LOW_PASS_ORDER, corner_hz, sample_rate_hz)?;
@@ -185,6 +191,7 @@ impl Chain {
             FirstOrder::low_pass(corner_hz, self.sample_rate_hz).ok()
         });
         self.counting = true;
+        self.knows_levels = false;
         (self.decoder, self.answer, self.behind) = (None, None, Behind::default());
         let card = &choice.session.sensor;
         let mut design = card.design();
@@ -216,6 +223,8 @@ impl Chain {
         let conditioned = &ready.row;
         self.conditioned = *conditioned;
         file(&mut row[CONDITIONED], conditioned);
+        let answered = self.conditioned_samples;
+        self.conditioned_samples += 1;
         // The decoder answers the sample before.
         let before = self.behind;
         self.truth = beside.truth;
@@ -237,6 +246,12 @@ impl Chain {
             if value.is_finite() {
                 *squares += share * (value * value - *squares);
             }
+        }
+        if !self.knows_levels {
+            self.knows_levels = true;
+            let levels = self.conditioning.as_ref().and_then(Conditioning::levels);
+            let refused = levels.and_then(|levels| decoder.allow_for(&levels, answered).err());
+            (self.messages).extend(refused.map(|error| format!("{error:#}")));
         }
         self.answer = decoder.push(ready);
         self.messages.append(&mut decoder.messages);

@@ -1,6 +1,7 @@
 //! Conditioned voltages to accelerations, live: the decoupler or, with the fault monitor, the decoupler that excludes limbs.
 
 use glam::DVec3;
+use sixaxis_calibration::apply::conditioning_stream::Levels;
 use sixaxis_calibration::apply::fault_watch::FaultWatch;
 use sixaxis_calibration::apply::setup::{Overrides, Setup};
 use sixaxis_calibration::calibration::Calibration;
@@ -106,6 +107,17 @@ impl LiveDecoder {
             messages: Vec::new(),
             flags: [0.0; 2],
         })
+    }
+
+    /// Allows for zeros that wander because the stages undo a high-pass about these levels, and had answered so many samples before the first.
+    ///
+    /// # Errors
+    /// A calibration whose noise is no number.
+    pub fn allow_for(&mut self, levels: &Levels, before: u64) -> anyhow::Result<()> {
+        if let Decoder::Watched(watch) = &mut self.decoder {
+            watch.allow_for(levels, before)?;
+        }
+        Ok(())
     }
 
     /// Whether it has refused a sample.

@@ -7,7 +7,9 @@ use std::collections::VecDeque;
 
 use anyhow::Result;
 use sixaxis_calibration::apply::Row;
-use sixaxis_calibration::apply::conditioning_stream::{ConditioningConfig, ConditioningStream};
+use sixaxis_calibration::apply::conditioning_stream::{
+    ConditioningConfig, ConditioningStream, Levels,
+};
 use sixaxis_calibration::apply::voltages::Voltages;
 use sixaxis_core::LIMBS;
 use sixaxis_recordings::session::Outliers;
@@ -89,6 +91,11 @@ impl Conditioning {
         }));
         self.filtered.clear();
         self.unfiltered.clear();
+    }
+
+    /// The levels about which a high-pass is undone, for the fault monitor.
+    pub fn levels(&self) -> Option<Levels> {
+        self.before_low_pass.as_ref().unwrap_or(&self.all).levels()
     }
 
     /// The next sample that has passed.

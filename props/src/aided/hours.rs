@@ -72,6 +72,7 @@ pub fn study(length: &Length<'_>, first: u64, count: u64) -> Hours {
         .flat_map(|kind| {
             (first..first + count).into_par_iter().map(move |seed| {
                 let ride = Ride {
+                    amplifier: None,
                     played: length.played,
                     kind,
                     duration_s: length.duration_s,

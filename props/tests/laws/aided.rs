@@ -19,6 +19,7 @@ fn ride(kind: Kind, duration_s: f64, aids: Aids) -> (Ride, Aids) {
         duration_s,
         rate_hz: 1000.0,
         quality: Quality::DAY,
+        amplifier: None,
         smooth: false,
         without: LimbSet::EMPTY,
     };

@@ -30,3 +30,4 @@ mod stiffness_bound;
 mod symmetry;
 mod tap;
 mod truth;
+mod zero_wander;

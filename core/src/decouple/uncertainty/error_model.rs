@@ -65,6 +65,8 @@ pub struct ErrorModel {
     noise_v2_s: [f64; LIMBS],
     /// Spectral densities, per s, of the noise in w*' and f: 6 by 6.
     pub(crate) density: SMatrix<f64, 6, 6>,
+    /// w*', rad/s^2, and f, m/s^2, per volt of each channel.
+    pub(crate) per_volt: SMatrix<f64, 6, LIMBS>,
 }
 
 impl ErrorModel {
@@ -94,6 +96,7 @@ impl ErrorModel {
             inverse,
             noise_v2_s: noise.white_v.map(|sd| sd * sd / settings.sample_rate_hz),
             density: SMatrix::zeros(),
+            per_volt: SMatrix::zeros(),
             chain,
         };
         model.set_excluded(LimbSet::EMPTY)?;
@@ -110,8 +113,8 @@ impl ErrorModel {
         self.excluded = limbs;
         self.density = SMatrix::zeros();
         let sensitivities = self.chain.sensitivity_m_s2_per_v();
-        for ((wrench, sensitivity), noise) in
-            self.wrench.iter().zip(sensitivities).zip(self.noise_v2_s)
+        for (limb, ((wrench, sensitivity), noise)) in
+            (self.wrench.iter().zip(sensitivities).zip(self.noise_v2_s)).enumerate()
         {
             let angular = column(self.inverse * wrench[1] * *sensitivity);
             let linear = column(wrench[0] * *sensitivity);
@@ -122,6 +125,7 @@ impl ErrorModel {
                     },
                 );
             self.density += both * both.transpose() * noise;
+            self.per_volt.set_column(limb, &both);
         }
         Ok(())
     }

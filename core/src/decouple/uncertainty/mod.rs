@@ -9,6 +9,7 @@
 //! | [`parameters`] | the chain: each step uses the earlier ones, and their errors with them |
 //! | [`error_model`] | what errors of parameters and rate do to force and torque at once |
 //! | [`samples`] | the stream: the accelerations' standard deviations, sample by sample |
+//! | [`zero_wander`] | what undoing amplifiers' high-pass makes of noise |
 //!
 //! The preprocessing between raw samples and rows is linear, too; its transposes are in `dsp::transposed`.
 //!
@@ -21,7 +22,9 @@ pub mod influence;
 pub mod parameters;
 mod root;
 pub mod samples;
+pub mod zero_wander;
 
 pub use error_model::{ChannelNoise, ErrorModel};
 pub use parameters::{Chain, Covariance};
 pub use samples::{SampleUncertainty, Spread};
+pub use zero_wander::ZeroWander;

@@ -15,6 +15,8 @@ pub struct CalibrationErrors {
     pub cross_talk: f64,
     /// Standard deviation of each zero drift, strain.
     pub drift: [f64; LIMBS],
+    /// Variances of what each zero changes by from sample to sample, strain^2: as a walk, and as a ramp.
+    pub drift_steps: [[f64; LIMBS]; 2],
 }
 
 impl CalibrationErrors {
@@ -28,6 +30,7 @@ impl CalibrationErrors {
             alone: strain,
             cross_talk: 0.0,
             drift,
+            drift_steps: [[0.0; LIMBS]; 2],
         }
     }
 }

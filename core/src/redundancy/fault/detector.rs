@@ -198,6 +198,14 @@ impl Detector {
         Ok(())
     }
 
+    /// Zeros are off by these deviations by now, strain, and change by these variances from sample to sample, strain^2.
+    pub(super) fn set_zero_errors(&mut self, drift: [f64; LIMBS], steps: [[f64; LIMBS]; 2]) {
+        let exact = CalibrationErrors::independent([0.0; LIMBS], [0.0; LIMBS]);
+        let errors = self.errors.get_or_insert(exact);
+        errors.drift = drift;
+        errors.drift_steps = steps;
+    }
+
     /// The errors of calibration that it allows for.
     #[must_use]
     pub const fn errors(&self) -> Option<&CalibrationErrors> {

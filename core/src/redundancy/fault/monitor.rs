@@ -15,7 +15,9 @@ use super::step::Ring;
 use super::strains::Strains;
 use super::untold::Untold;
 use super::verdict::{Kind, Verdict};
+use crate::decouple::uncertainty::ZeroWander;
 use crate::error::Result;
+use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::kernel::constants::Constants;
 use crate::kernel::placement::OVERSTRAIN;
@@ -50,6 +52,9 @@ pub struct Monitor {
     /// One over a channel's noise, 1/V, and the error of its zero in its noise.
     per_noise: [f64; LIMBS],
     zero_sd: [f64; LIMBS],
+    /// Standard deviation of each zero at the first sample, V.
+    zero_drift_sd_v: [f64; LIMBS],
+    step_s: f64,
     nu: f64,
     /// Tests of all three relations, and of those that are left without failed limbs.
     whole: Detector,
@@ -91,6 +96,8 @@ impl Monitor {
             zero_drift_v: parameters.zero_drift_v,
             per_noise: watch.noise_v.map(|sd| 1.0 / sd),
             zero_sd: core::array::from_fn(|i| watch.zero_drift_sd_v[i] / watch.noise_v[i]),
+            zero_drift_sd_v: watch.zero_drift_sd_v,
+            step_s: 1.0 / settings.sample_rate_hz,
             nu: constants.nu,
             whole: Detector::new(noise, per_sample, errors)?,
             left: None,
@@ -103,6 +110,22 @@ impl Monitor {
             recovery: Recovery::default(),
             received: 0,
         })
+    }
+
+    /// Allows for what zeros have wandered by at a time; to be called from time to time.
+    pub fn allow_for(&mut self, wander: &ZeroWander, time_s: f64) {
+        let now_v2 = wander.variance_v2(time_s);
+        let sd_v: [f64; LIMBS] = core::array::from_fn(|limb| {
+            sqrt(self.zero_drift_sd_v[limb] * self.zero_drift_sd_v[limb] + now_v2[limb])
+        });
+        self.zero_sd = core::array::from_fn(|limb| sd_v[limb] * self.per_noise[limb]);
+        let per_v = &self.strains.per_v;
+        let drift = core::array::from_fn(|limb| (sd_v[limb] * per_v[limb]).abs());
+        let strain2 = |of: [f64; LIMBS]| core::array::from_fn(|i| of[i] * per_v[i] * per_v[i]);
+        let steps = wander.steps_v2(self.step_s).map(strain2);
+        for detector in [&mut self.whole].into_iter().chain(&mut self.left) {
+            detector.set_zero_errors(drift, steps);
+        }
     }
 
     /// The tests of all three relations.

@@ -54,6 +54,7 @@ impl Watch {
             drift: core::array::from_fn(|limb| {
                 (strain_per_v[limb] * self.zero_drift_sd_v[limb]).abs()
             }),
+            drift_steps: [[0.0; LIMBS]; 2],
         };
         let all = errors.strain.as_flattened().iter().chain(&errors.drift);
         let exact = all.chain([&errors.cross_talk]).all(|&x| x == 0.0);

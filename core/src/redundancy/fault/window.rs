@@ -7,6 +7,10 @@ use crate::float::sqrt;
 use crate::geometry::LIMBS;
 use crate::redundancy::parity::ROWS;
 
+/// What slope and rest have of a walk over n samples, over the variance of one step and n squared: of a Brownian motion 1/10, and of the 1/6 that it
+/// departs from its mean by what the slope leaves.
+const OF_WALK: [f64; 2] = [1.0 / 10.0, 1.0 / 15.0];
+
 /// What a quantity of three rows is made of in a stretch: its mean, its slope, and the energy of the rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Parts<T> {
@@ -91,6 +95,7 @@ impl Window {
             (self.strain_square[i] - mean[i] * mean[i] - slope[i] * slope[i]).max(0.0)
         });
         let drift = errors.drift.map(|sd| n * sd * sd);
+        let [walk, ramp] = errors.drift_steps;
         let shown = |square: [f64; LIMBS]| {
             let all: f64 = square.iter().sum();
             square.map(|own| errors.cross_talk * errors.cross_talk * (all - own))
@@ -103,11 +108,15 @@ impl Window {
             )
         };
         let crossed = shown(rest);
-        let rest =
-            core::array::from_fn(|i| rest[i] * errors.alone[i] * errors.alone[i] + crossed[i]);
+        let rest = core::array::from_fn(|i| {
+            rest[i] * errors.alone[i] * errors.alone[i] + crossed[i] + n * n * OF_WALK[1] * walk[i]
+        });
         Parts {
             mean: along(&mean, drift),
-            slope: along(&slope, [0.0; LIMBS]),
+            slope: along(
+                &slope,
+                core::array::from_fn(|i| spread * spread * ramp[i] + n * n * OF_WALK[0] * walk[i]),
+            ),
             rest: noise.whitened_sum(&rest),
         }
     }

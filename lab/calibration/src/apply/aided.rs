@@ -6,6 +6,7 @@ use anyhow::{Result, ensure};
 use glam::DQuat;
 use sixaxis_core::aided::block::Block;
 use sixaxis_core::aided::{Aid, AidedDecoupler, RestFinder};
+use sixaxis_core::decouple::uncertainty::ZeroWander;
 use sixaxis_core::{LimbSet, SixAxis};
 
 use super::Row;
@@ -111,6 +112,19 @@ impl Aided {
             rests.set_excluded(limbs);
         }
         Ok(())
+    }
+
+    /// Zeros wander from the first sample on.
+    pub(super) fn set_zero_wander(&mut self, wander: ZeroWander) {
+        self.decoder.set_zero_wander(wander);
+        if let Some(agreement) = &mut self.agreement {
+            agreement.set_zero_wander(wander);
+        }
+    }
+
+    /// Whether nothing else is known of the motion.
+    pub(super) const fn is_alone(&self) -> bool {
+        self.rests.is_none() && self.velocity.is_none() && self.agreement.is_none()
     }
 
     /// Aids that come again and again, with the time from one to the next, s.

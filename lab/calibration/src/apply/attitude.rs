@@ -6,6 +6,7 @@
 use glam::DVec3;
 use sixaxis_core::aided::block::Gathering;
 use sixaxis_core::aided::{Bound, Deviations, ErrorFilter, SmoothedDecoupler};
+use sixaxis_core::decouple::uncertainty::ZeroWander;
 use sixaxis_core::{Decoupler, LimbSet, Settings, SixAxis};
 
 use super::Row;
@@ -82,6 +83,16 @@ impl AttitudeStream {
             How::Beside(beside) => beside.0.set_excluded(limbs),
             How::Aided(aided) => aided.set_excluded(limbs),
             How::Smoothed(_) => Ok(()),
+        }
+    }
+
+    /// Zeros wander from the first sample on, which has not come yet.
+    pub(super) fn set_zero_wander(&mut self, wander: ZeroWander) {
+        match &mut self.how {
+            How::Beside(beside) => beside.0.set_zero_wander(wander),
+            How::Aided(aided) => aided.set_zero_wander(wander),
+            // It has what the first pass knew.
+            How::Smoothed(_) => {}
         }
     }
 
@@ -218,12 +229,17 @@ impl AttitudeStream {
             let Some(lost) = self.columns.needing_attitude() else {
                 return;
             };
-            let why = match (&self.how, self.aidable) {
-                (How::Beside(_), true) => {
+            let alone = match &self.how {
+                How::Beside(_) => true,
+                How::Aided(aided) => aided.is_alone(),
+                How::Smoothed(_) => false,
+            };
+            let why = match (alone, self.aidable) {
+                (true, true) => {
                     ": it is integrated without a reference, and --aid tells what else is known"
                 }
-                (How::Beside(_), false) => ": it is integrated without a reference",
-                (How::Aided(_) | How::Smoothed(_), _) => "",
+                (true, false) => ": it is integrated without a reference",
+                (false, _) => "",
             };
             let until_deg = self.until_rad.to_degrees();
             let until = match until_deg {

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DQuat;
 use sixaxis_core::aided::{Aid, AidedDecoupler};
+use sixaxis_core::decouple::uncertainty::ZeroWander;
 use sixaxis_core::{LimbSet, SixAxis};
 use sixaxis_recordings::inspect::listing::brief;
 use thiserror::Error;
@@ -217,6 +218,12 @@ impl Agreement {
             Ok(answer) if known_deg(decoder) <= KNOWN_DEG => *last = answer,
             // What it cannot decode the other decoder says.
             _ => self.alone = None,
+        }
+    }
+
+    pub(super) fn set_zero_wander(&mut self, wander: ZeroWander) {
+        if let Some((decoder, _)) = self.alone.as_deref_mut() {
+            decoder.set_zero_wander(wander);
         }
     }
 

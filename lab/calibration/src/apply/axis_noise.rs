@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result};
 use glam::{DMat3, DQuat, DVec3};
+use sixaxis_core::decouple::uncertainty::ChannelNoise;
 use sixaxis_core::{Decoupler, LIMBS, LimbSet, Scheme, Settings};
 
 use super::setup::Setup;
@@ -18,7 +19,7 @@ const RATE_HZ: f64 = 1e6;
 /// Parameters that are no sensor's.
 pub fn axis_noise_densities(setup: &Setup, channels: &[f64; LIMBS]) -> Result<[f64; 6]> {
     let settings = setup.settings(RATE_HZ, Scheme::default());
-    let densities = by_steps(channels, |limb, step_v| {
+    let densities = by_steps(&ChannelNoise::white(*channels), |limb, step_v| {
         let mut voltage_v = setup.parameters.zero_drift_v;
         voltage_v[limb] += step_v;
         let mut decoupler = Decoupler::new(&setup.sensor, &setup.parameters, &settings)?;
@@ -40,7 +41,7 @@ pub struct SampleNoise {
 }
 
 impl SampleNoise {
-    /// For channels with this noise, V, at rest. Channels of excluded limbs are not read.
+    /// For channels with this noise at rest. Channels of excluded limbs are not read.
     ///
     /// # Errors
     /// Parameters that are no sensor's; limbs that cannot be excluded.
@@ -48,10 +49,10 @@ impl SampleNoise {
         setup: &Setup,
         settings: &Settings,
         excluded: LimbSet,
-        noise_v: &[f64; LIMBS],
+        noise: &ChannelNoise,
     ) -> Result<Self> {
         // One sample among others that are at rest shows in its own answer and, by differences, in its neighbours'.
-        let shell = by_steps(noise_v, |limb, step_v| {
+        let shell = by_steps(noise, |limb, step_v| {
             let mut decoupler =
                 Decoupler::new(&setup.sensor, &setup.parameters, settings)?.excluding(excluded)?;
             let mut answers = Vec::new();
@@ -80,19 +81,35 @@ fn deviations(covariances: &[DMat3; 2]) -> [f64; 6] {
     })
 }
 
-/// Covariances of a and w' that independent noise of the nine channels adds up to, whose answers to a step of one channel, V, are given.
+/// Covariances of a and w' that independent noise of the nine channels adds up to, whose answers to a step of one channel, V, are given,
+/// sample by sample.
 fn by_steps(
-    noise: &[f64; LIMBS],
+    noise: &ChannelNoise,
     answers: impl Fn(usize, f64) -> Result<Vec<[f64; 6]>>,
 ) -> Result<[DMat3; 2]> {
     let mut covariances = [DMat3::ZERO; 2];
-    for (limb, noise) in noise.iter().enumerate() {
-        for (more, less) in answers(limb, STEP_V)?.iter().zip(answers(limb, -STEP_V)?) {
-            let shown: [f64; 6] =
-                core::array::from_fn(|axis| (more[axis] - less[axis]) / (2.0 * STEP_V) * noise);
-            for (covariance, shown) in covariances.iter_mut().zip(shown.as_chunks::<3>().0) {
-                let v = DVec3::from_array(*shown);
-                *covariance += DMat3::from_cols(v * v.x, v * v.y, v * v.z);
+    for (limb, white_v) in noise.white_v.iter().enumerate() {
+        let pairs = answers(limb, STEP_V)?
+            .into_iter()
+            .zip(answers(limb, -STEP_V)?);
+        let shown: Vec<[f64; 6]> = pairs
+            .map(|(more, less)| {
+                core::array::from_fn(|axis| (more[axis] - less[axis]) / (2.0 * STEP_V) * white_v)
+            })
+            .collect();
+        for (lag, correlation) in noise.correlation.into_iter().enumerate() {
+            if correlation == 0.0 {
+                continue;
+            }
+            for (one, other) in shown.iter().zip(&shown[lag.min(shown.len())..]) {
+                for (axes, covariance) in covariances.iter_mut().enumerate() {
+                    let of = |all: &[f64; 6]| DVec3::from_slice(&all[3 * axes..]);
+                    let (v, w) = (of(one), of(other) * correlation);
+                    *covariance += DMat3::from_cols(v * w.x, v * w.y, v * w.z);
+                    if lag > 0 {
+                        *covariance += DMat3::from_cols(w * v.x, w * v.y, w * v.z);
+                    }
+                }
             }
         }
     }

@@ -4,7 +4,10 @@
 #[cfg(test)]
 mod tests;
 
+use std::sync::{Arc, OnceLock};
+
 use anyhow::{Context, Result, ensure};
+use sixaxis_core::decouple::uncertainty::ZeroWander;
 use sixaxis_core::dsp::causal::Causal;
 use sixaxis_core::dsp::continued::ContinuedZeroPhase;
 use sixaxis_core::dsp::delay::Delay;
@@ -67,11 +70,32 @@ impl ConditioningConfig {
     }
 }
 
+/// The levels about which nine amplifiers' high-pass is undone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Levels {
+    corner_hz: f64,
+    sample_rate_hz: f64,
+    /// Samples of rest that each is the mean of.
+    samples: [usize; LIMBS],
+}
+
+impl Levels {
+    /// How the zeros wander of channels with this white noise, V.
+    ///
+    /// # Errors
+    /// Noise that is negative or not finite.
+    pub fn zero_wander(&self, white_v: &Row) -> sixaxis_core::Result<ZeroWander> {
+        ZeroWander::new(self.corner_hz, self.sample_rate_hz, white_v, &self.samples)
+    }
+}
+
 /// The stages of nine channels, each in [`Stage::ORDER`], and what undoes their cross-talk after them.
 pub struct ConditioningStream {
     channels: [Chain; LIMBS],
     cross_talk: Option<CrossTalk>,
     excluded: Exclusions,
+    /// Corner of the high-pass that is undone, Hz, and samples per second.
+    undone_hz: Option<[f64; 2]>,
     /// Whether the last stage is a low-pass.
     low_passes: bool,
     /// Samples handed out.
@@ -107,6 +131,8 @@ impl dsp::stage::Stage for Held {
 #[derive(Default)]
 struct Chain {
     stages: Vec<Box<dyn dsp::stage::Stage + Send>>,
+    /// Of an undone high-pass, once they are known.
+    samples_of_level: Arc<OnceLock<usize>>,
     between: [Vec<f64>; 2],
     /// What has left the last stage. Channels with different delays are not equally far.
     ready: Vec<f64>,
@@ -168,6 +194,7 @@ fn streaming(
     limb: usize,
     config: &ConditioningConfig,
     sample_rate_hz: f64,
+    samples_of_level: &mut Arc<OnceLock<usize>>,
 ) -> Result<Option<Box<dyn dsp::stage::Stage + Send>>> {
     Ok(match stage {
         Stage::Delays => match config.delays_s {
@@ -185,8 +212,10 @@ fn streaming(
         Stage::HighPass => match config.amplifier_high_pass_hz {
             Some(corner_hz) => Some(Box::new({
                 let longest = (LONGEST_REST_S * sample_rate_hz).min(LONGEST_REST) as usize;
-                UndoneHighPass::new(corner_hz, sample_rate_hz, longest)
-                    .context("the amplifier's high-pass")?
+                let undone = UndoneHighPass::new(corner_hz, sample_rate_hz, longest)
+                    .context("the amplifier's high-pass")?;
+                *samples_of_level = undone.samples_of_level();
+                undone
             })),
             None => None,
         },
@@ -223,17 +252,33 @@ impl ConditioningStream {
         let mut channels: [Chain; LIMBS] = Default::default();
         for (limb, chain) in channels.iter_mut().enumerate() {
             for stage in Stage::ORDER {
-                chain
-                    .stages
-                    .extend(streaming(stage, limb, config, sample_rate_hz)?);
+                let level = &mut chain.samples_of_level;
+                let more = streaming(stage, limb, config, sample_rate_hz, level)?;
+                chain.stages.extend(more);
             }
         }
         Ok(Self {
             channels,
             cross_talk: config.cross_talk,
             excluded: Exclusions::default(),
+            undone_hz: (config.amplifier_high_pass_hz).map(|hz| [hz, sample_rate_hz]),
             low_passes: config.low_pass_hz.is_some(),
             samples: 0,
+        })
+    }
+
+    /// The levels about which a high-pass is undone: known before the first sample comes out.
+    #[must_use]
+    pub fn levels(&self) -> Option<Levels> {
+        let [corner_hz, sample_rate_hz] = self.undone_hz?;
+        let mut samples = [0; LIMBS];
+        for (samples, chain) in samples.iter_mut().zip(&self.channels) {
+            *samples = *chain.samples_of_level.get()?;
+        }
+        Some(Levels {
+            corner_hz,
+            sample_rate_hz,
+            samples,
         })
     }
 

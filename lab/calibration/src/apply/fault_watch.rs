@@ -2,6 +2,7 @@
 
 use crate::calibration::{CalibratedLimbs, Calibration};
 use anyhow::{Context, Result, ensure};
+use sixaxis_core::decouple::uncertainty::ZeroWander;
 use sixaxis_core::limb_set::LimbSet;
 use sixaxis_core::redundancy::fault::{Event, Kind, Watch};
 use sixaxis_core::redundancy::reconstruction::MOST_EXCLUDED;
@@ -9,8 +10,12 @@ use sixaxis_core::redundancy::tolerant::{FaultTolerant, ROWS_KEPT, Watched};
 use sixaxis_core::{LIMBS, Settings, SixAxis};
 
 use super::Row;
+use super::conditioning_stream::Levels;
 use super::exclusions::{self as found, digits};
 use super::setup::Setup;
+
+/// Samples from one look at how far zeros have wandered to the next.
+const ALLOWED_EVERY: u64 = 64;
 
 /// A fault-tolerant decoder and its messages.
 pub struct FaultWatch {
@@ -36,6 +41,10 @@ pub struct FaultWatch {
     /// The sample at which the last alarm was raised, as long as limbs are suspected and none has been named.
     unexplained_since: Option<u64>,
     samples: u64,
+    /// How zeros wander, and samples that had come before the first.
+    wander: Option<(ZeroWander, u64)>,
+    noise_v: Row,
+    step_s: f64,
 }
 
 impl FaultWatch {
@@ -94,7 +103,21 @@ impl FaultWatch {
             marked_for_nothing: 0,
             unexplained_since: None,
             samples: 0,
+            wander: None,
+            noise_v: propagated.channel_noise_v,
+            step_s: 1.0 / settings.sample_rate_hz,
         })
+    }
+
+    /// Allows for zeros that wander because a high-pass is undone, by samples of which so many had come before the first that is watched.
+    ///
+    /// # Errors
+    /// A calibration whose noise is no number.
+    pub fn allow_for(&mut self, levels: &Levels, before: u64) -> sixaxis_core::Result<()> {
+        if self.wander.is_none() {
+            self.wander = Some((levels.zero_wander(&self.noise_v)?, before));
+        }
+        Ok(())
     }
 
     /// Limbs that are excluded.
@@ -119,6 +142,12 @@ impl FaultWatch {
         row: &Row,
         filtered: &Row,
     ) -> sixaxis_core::Result<Option<(SixAxis, [f64; 2])>> {
+        if let Some((wander, before)) = &self.wander
+            && self.samples.is_multiple_of(ALLOWED_EVERY)
+        {
+            let time_s = (before + self.samples) as f64 * self.step_s;
+            self.stream.allow_for(wander, time_s);
+        }
         let beyond = (0..LIMBS)
             .filter(|&limb| row[limb].abs() >= self.limit_v)
             .fold(LimbSet::EMPTY, LimbSet::with);

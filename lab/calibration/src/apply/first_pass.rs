@@ -45,7 +45,7 @@ impl Job<'_> {
         settings: &Settings,
     ) -> Result<WatchedBefore> {
         let noise = |(from, limbs): (u64, LimbSet)| {
-            let (_, noise_v) = (self.setup).error_filter(
+            let (_, channels) = (self.setup).error_filter(
                 self.calibration,
                 settings,
                 limbs,
@@ -53,7 +53,7 @@ impl Job<'_> {
             )?;
             Ok((
                 from,
-                SampleNoise::new(self.setup, settings, limbs, &noise_v)?,
+                SampleNoise::new(self.setup, settings, limbs, &channels)?,
             ))
         };
         let changes = found.excluded.changes().filter(|_| self.uncertainty);

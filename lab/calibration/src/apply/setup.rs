@@ -156,7 +156,7 @@ impl Setup {
         notes.extend(amplifier_high_pass_hz.map(|corner_hz| {
             format!(
                 "the amplifiers' high-pass of {corner_hz} Hz is undone about the level at rest, whose noise becomes a ramp: as large as a channel's noise after {:.0} s where {BASELINE} samples of rest come first, and after ten times as long where a hundred times as many do \
-                 ({LONGEST_REST_S} s are taken at most). No deviation knows of it, --watch may take it for a failure, and --aid refuse what contradicts it",
+                 ({LONGEST_REST_S} s are taken at most)",
                 (BASELINE as f64).sqrt() / (core::f64::consts::TAU * corner_hz)
             )
         }));
@@ -247,7 +247,7 @@ impl Setup {
         settings: &Settings,
         excluded: LimbSet,
         down_deviation_rad: f64,
-    ) -> Result<(ErrorFilter, [f64; LIMBS])> {
+    ) -> Result<(ErrorFilter, ChannelNoise)> {
         let (covariance, noise) = self.errors(calibration, settings)?;
         let mut filter = ErrorFilter::new(
             &self.sensor,
@@ -258,10 +258,11 @@ impl Setup {
             down_deviation_rad,
         )?;
         filter.set_excluded(excluded).context("--excluded")?;
-        Ok((filter, noise.white_v))
+        Ok((filter, noise))
     }
 
-    /// What aids that come again and again leave open before the next, each with the time from one to the next, s.
+    /// What aids that come again and again leave open before the next, each with the time from one to the next, s. Nothing where a high-pass is
+    /// undone: zeros wander further and further.
     ///
     /// # Errors
     /// As [`Self::uncertainty`].
@@ -272,6 +273,9 @@ impl Setup {
         excluded: LimbSet,
         aids: &[(Aid, f64)],
     ) -> Result<Option<Bound>> {
+        if self.conditioning.amplifier_high_pass_hz.is_some() {
+            return Ok(None);
+        }
         let (_, noise) = self.errors(calibration, settings)?;
         Ok(bound::steady(
             &self.sensor,

@@ -1,5 +1,7 @@
 //! An amplifier's first-order high-pass, undone about the level at which the record begins.
 
+use std::sync::{Arc, OnceLock};
+
 use sixaxis_core::Result;
 use sixaxis_core::dsp::lag::UndoHighPass;
 use sixaxis_core::dsp::stage::Stage;
@@ -19,6 +21,7 @@ const TAKEN: f64 = 0.75;
 pub struct UndoneHighPass {
     undo: UndoHighPass,
     level: Option<f64>,
+    samples_of_level: Arc<OnceLock<usize>>,
     beginning: Beginning,
 }
 
@@ -42,6 +45,7 @@ impl UndoneHighPass {
         Ok(Self {
             undo: UndoHighPass::new(corner_hz, sample_rate_hz)?,
             level: None,
+            samples_of_level: Arc::default(),
             beginning: Beginning {
                 longest,
                 samples: Vec::with_capacity(BASELINE),
@@ -51,10 +55,17 @@ impl UndoneHighPass {
         })
     }
 
+    /// The number of samples that the level is the mean of, once the rest is over, for whoever no longer has the stage at hand.
+    #[must_use]
+    pub fn samples_of_level(&self) -> Arc<OnceLock<usize>> {
+        Arc::clone(&self.samples_of_level)
+    }
+
     fn begin(&mut self, at_rest: usize, out: &mut Vec<f64>) {
         let beginning = core::mem::take(&mut self.beginning.samples);
         let rest = &beginning[..at_rest];
         self.level = Some(rest.iter().sum::<f64>() / rest.len().max(1) as f64);
+        self.samples_of_level.get_or_init(|| rest.len().max(1));
         self.push(&beginning, out);
     }
 }

@@ -70,7 +70,15 @@ impl Job<'_> {
         if !watches && decoding.watched.is_none() && !self.rest_to_rest {
             decoding.noise_level = NoiseLevel::new(self.setup, self.calibration, self.excluded);
         }
-        let aided = !self.aids.is_empty();
+        // How zeros wander is in the deviations of the error filter alone.
+        let wanders =
+            self.setup.conditioning.amplifier_high_pass_hz.is_some() && !self.rest_to_rest;
+        let aided = !self.aids.is_empty() || self.uncertainty && wanders;
+        let option = if self.aids.is_empty() {
+            "--uncertainty"
+        } else {
+            "--aid"
+        };
         ensure!(
             gravity != DVec3::ZERO || self.aids.iter().all(|aid| aid.file().is_some()),
             "--aid rest and velocity are held against gravity, and nobody says where down is: give --down or --session"
@@ -81,10 +89,11 @@ impl Job<'_> {
                 self.setup
                     .error_filter(self.calibration, settings, self.excluded, down_rad);
             match filter {
-                Ok((filter, noise_v)) if aided => {
+                Ok((filter, channels)) if aided => {
+                    decoding.noise_v = channels.white_v;
                     let noise = self
                         .uncertainty
-                        .then(|| SampleNoise::new(self.setup, settings, self.excluded, &noise_v))
+                        .then(|| SampleNoise::new(self.setup, settings, self.excluded, &channels))
                         .transpose()?;
                     let parameters = &self.setup.parameters;
                     let decoder = AidedDecoupler::new(decoupler, filter, parameters, settings);
@@ -94,7 +103,7 @@ impl Job<'_> {
                         decoder
                     };
                     let rate_hz = settings.sample_rate_hz;
-                    let aided = Aided::new(decoder, self.aids, &noise_v, rate_hz)?;
+                    let aided = Aided::new(decoder, self.aids, &channels.white_v, rate_hz)?;
                     let aids = aided.periodic();
                     let until_deg = self.until_sd_deg;
                     let mut attitude = AttitudeStream::aided(aided, settings, until_deg, noise);
@@ -108,12 +117,13 @@ impl Job<'_> {
                     }
                     decoding.attitude = Some(attitude.written_to(self.columns));
                 }
-                Ok((filter, _)) => {
+                Ok((filter, channels)) => {
+                    decoding.noise_v = channels.white_v;
                     let until_deg = self.until_sd_deg;
                     let beside = AttitudeStream::beside(filter, settings, until_deg, !watches);
                     decoding.attitude = Some(beside.written_to(self.columns));
                 }
-                Err(error) if aided => return Err(error.context("--aid")),
+                Err(error) if aided => return Err(error.context(option)),
                 Err(error) => decoding.say(format!(
                     "how long the attitude is known to --until-sd is not followed: {error:#}"
                 )),
