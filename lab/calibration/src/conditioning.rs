@@ -10,11 +10,10 @@ use glam::DVec3;
 use sixaxis_core::dsp::butterworth::{self, Section};
 use sixaxis_core::dsp::continued::zero_phase;
 use sixaxis_core::dsp::differentiate::Differentiator;
-use sixaxis_core::dsp::lag::undo_low_pass;
+use sixaxis_core::dsp::lag::{UndoHighPass, undo_low_pass};
 use sixaxis_core::dsp::{detrend, each_channel, outlier, stage::whole};
 use sixaxis_core::{LIMBS, Result};
 
-use high_pass::{BASELINE, UndoneHighPass};
 pub use stage::Stage;
 
 use crate::trial::Trial;
@@ -87,6 +86,15 @@ impl Conditioning {
             .map(|line| ((line.rest_s * trial.sample_rate_hz) as usize).max(1))
     }
 
+    /// Samples of rest that a trial begins with, whose mean is the level about which an amplifier's high-pass is undone: of the channel that moves
+    /// first, so that one transpose serves all.
+    fn level_samples(&self, trial: &Trial) -> usize {
+        let longest = high_pass::longest_rest(trial.sample_rate_hz);
+        let of = |limb: usize| trial.voltage_v.iter().map(move |row| row[limb]);
+        let rests = (0..LIMBS).map(|limb| high_pass::at_rest(of(limb), longest));
+        rests.min().unwrap_or(0)
+    }
+
     /// What takes the rate's derivative of a trial.
     pub(crate) fn differentiator(&self, trial: &Trial) -> Result<Differentiator> {
         let settings = self.stages.differentiator;
@@ -143,10 +151,14 @@ impl Conditioning {
                 let Some(corner_hz) = self.stages.amplifier_high_pass_hz else {
                     return Ok(());
                 };
+                let rest = self.level_samples(trial);
                 each_channel(voltage_v, |series| {
-                    let mut undone =
-                        UndoneHighPass::new(corner_hz, trial.sample_rate_hz, BASELINE)?;
-                    whole("undone high-pass", &mut undone, series)
+                    let level = mean(&series[..rest.min(series.len())]);
+                    series.iter_mut().for_each(|x| *x -= level);
+                    let mut undo = UndoHighPass::new(corner_hz, trial.sample_rate_hz)?;
+                    whole("undone high-pass", &mut undo, series)?;
+                    series.iter_mut().for_each(|x| *x += level);
+                    Ok(())
                 })?;
             }
             Stage::Trend => {

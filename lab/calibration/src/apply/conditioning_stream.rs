@@ -19,13 +19,9 @@ use super::Row;
 use super::exclusions::Exclusions;
 use super::voltages::Voltages;
 use crate::conditioning::Stage;
-use crate::conditioning::high_pass::UndoneHighPass;
+use crate::conditioning::high_pass::{UndoneHighPass, longest_rest};
 use sixaxis_recordings::session::Outliers;
 
-/// Longest rest whose mean is the level that a high-pass is undone about, s: nothing comes out before it is over.
-pub const LONGEST_REST_S: f64 = 2.0;
-/// The same in samples, at whatever rate: they are kept.
-const LONGEST_REST: f64 = 262_144.0;
 /// Longest lag or lead, samples; a converter's channels are a few samples apart at most.
 const LONGEST_LAG: f64 = 10_000.0;
 
@@ -211,7 +207,7 @@ fn streaming(
         },
         Stage::HighPass => match config.amplifier_high_pass_hz {
             Some(corner_hz) => Some(Box::new({
-                let longest = (LONGEST_REST_S * sample_rate_hz).min(LONGEST_REST) as usize;
+                let longest = longest_rest(sample_rate_hz);
                 let undone = UndoneHighPass::new(corner_hz, sample_rate_hz, longest)
                     .context("the amplifier's high-pass")?;
                 *samples_of_level = undone.samples_of_level();

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::calibration::Calibration;
-use crate::conditioning::high_pass::BASELINE;
+use crate::conditioning::high_pass::{BASELINE, LONGEST_REST_S};
 use anyhow::{Context, Result, bail};
 use glam::DVec3;
 use sixaxis_core::aided::{Aid, Bound, ErrorFilter, bound};
@@ -12,7 +12,7 @@ use sixaxis_core::{Gains, LIMBS, LimbSet, Parameters, Scheme, Sensor, Settings};
 use sixaxis_recordings::session::{Channels, Entry, SessionFile};
 use sixaxis_recordings::unit::STANDARD_GRAVITY_M_S2;
 
-use super::conditioning_stream::{self, ConditioningConfig, LONGEST_REST_S};
+use super::conditioning_stream::{self, ConditioningConfig};
 use super::statements::{list, other_signs, overruled, same_sensor, stated_down};
 
 /// What the user says of the recording; each overrules the session, which overrules the calibration.

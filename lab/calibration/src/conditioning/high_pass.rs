@@ -16,6 +16,27 @@ const DEPARTS: f64 = 4.0;
 /// Share of a rest that has ended which is taken: a motion that has just begun may hide in the noise.
 const TAKEN: f64 = 0.75;
 
+/// Longest rest whose mean is the level that a high-pass is undone about, s: a stream hands nothing on before it is over.
+pub const LONGEST_REST_S: f64 = 2.0;
+/// The same in samples, at whatever rate: they are kept.
+const LONGEST_REST: f64 = 262_144.0;
+
+/// That rest at a rate, samples.
+pub fn longest_rest(sample_rate_hz: f64) -> usize {
+    (LONGEST_REST_S * sample_rate_hz).min(LONGEST_REST) as usize
+}
+
+/// Samples of the rest that a channel's record begins with, of `longest` at most.
+pub(super) fn at_rest(series: impl Iterator<Item = f64>, longest: usize) -> usize {
+    let mut beginning = Beginning::new(longest);
+    for sample in series {
+        if let Some(at_rest) = beginning.take(sample) {
+            return at_rest;
+        }
+    }
+    beginning.of_whole_record()
+}
+
 /// One channel's amplifier, undone; the samples that the level is taken of are handed on together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UndoneHighPass {
@@ -46,12 +67,7 @@ impl UndoneHighPass {
             undo: UndoHighPass::new(corner_hz, sample_rate_hz)?,
             level: None,
             samples_of_level: Arc::default(),
-            beginning: Beginning {
-                longest,
-                samples: Vec::with_capacity(BASELINE),
-                sum: 0.0,
-                steps: 0.0,
-            },
+            beginning: Beginning::new(longest),
         })
     }
 
@@ -71,6 +87,22 @@ impl UndoneHighPass {
 }
 
 impl Beginning {
+    fn new(longest: usize) -> Self {
+        Self {
+            longest,
+            samples: Vec::with_capacity(BASELINE),
+            sum: 0.0,
+            steps: 0.0,
+        }
+    }
+
+    /// How many samples the level is to be taken of where the record ends before the rest.
+    fn of_whole_record(&self) -> usize {
+        let whole_blocks = self.samples.len() / BASELINE * BASELINE;
+        let taken = (TAKEN * whole_blocks as f64) as usize;
+        taken.max(BASELINE).min(self.samples.len())
+    }
+
     /// Takes a sample; once the rest has ended, how many samples the level is to be taken of.
     fn take(&mut self, sample: f64) -> Option<usize> {
         self.samples.push(sample);
@@ -114,10 +146,7 @@ impl Stage for UndoneHighPass {
 
     fn finish(&mut self, out: &mut Vec<f64>) -> Result<()> {
         if self.level.is_none() {
-            let whole_blocks = self.beginning.samples.len() / BASELINE * BASELINE;
-            let taken = (TAKEN * whole_blocks as f64) as usize;
-            let at_rest = taken.max(BASELINE).min(self.beginning.samples.len());
-            self.begin(at_rest, out);
+            self.begin(self.beginning.of_whole_record(), out);
         }
         Ok(())
     }

@@ -6,7 +6,6 @@
 use sixaxis_core::Result;
 use sixaxis_core::dsp::transposed;
 
-use super::high_pass::BASELINE;
 use super::{Conditioning, Stage};
 use crate::trial::Trial;
 
@@ -109,7 +108,7 @@ impl Conditioning {
                     *weights =
                         transposed::undo_high_pass(weights, corner_hz, trial.sample_rate_hz)?;
                     let undone: f64 = weights.iter().sum();
-                    add_mean(weights, BASELINE, level - undone);
+                    add_mean(weights, self.level_samples(trial), level - undone);
                 }
             }
             Stage::Delays

@@ -43,6 +43,52 @@ fn inv_a_samples_noise_is_of_the_grounds_axes_with_aids_too() {
     assert!(least > 0.9 && most < 1.2, "{least} to {most} times");
 }
 
+/// Where a high-pass is undone deviations come from the filter that knows how zeros wander: with a corner at which they do not, as without, a
+/// low-pass or none.
+#[test]
+fn inv_zeros_that_wander_are_in_the_deviations() {
+    let folder = Folder::new("decouple-deviations-wander");
+    let recording = compound();
+    let deviations = |corner_hz: Option<f64>, low_pass: &[&str]| {
+        let (with, out) = (folder.join("calibration.json"), folder.join("out.parquet"));
+        let mut known = Calibration::read(Path::new(&calibration())).expect("a calibration");
+        known.sensor.amplifier_high_pass_hz = corner_hz;
+        known.write(&with).expect("writes");
+        let arguments = [
+            "decouple",
+            text(&with),
+            text(&recording),
+            "--gain",
+            "0.1",
+            "--uncertainty",
+            "--until-sd",
+            "60",
+            "--out",
+            text(&out),
+        ];
+        done(&[&arguments[..], low_pass].concat());
+        columns(
+            &out,
+            &["sd_alpha_x", "sd_alpha_y", "sd_alpha_z", "sd_attitude"],
+        )
+        .0
+    };
+    for low_pass in [&[][..], &["--low-pass", "100"]] {
+        let none = deviations(None, low_pass);
+        let still = deviations(Some(1e-6), low_pass);
+        for (none, still) in none[..3].iter().flatten().zip(still[..3].iter().flatten()) {
+            let ratio = still / none;
+            assert!((0.9..1.2).contains(&ratio), "{low_pass:?}: {ratio} times");
+        }
+    }
+    let last = |corner_hz| {
+        let attitude = &deviations(corner_hz, &[])[3];
+        attitude.last().copied().expect("rows")
+    };
+    let (none, wandering) = (last(None), last(Some(0.1)));
+    assert!(wandering > 2.0 * none, "{wandering} rad, {none} without");
+}
+
 /// Deviations know the calibration's noise: a recording of more of it is told, one of as much is not.
 #[test]
 fn neg_a_noisier_recording_is_told() {
