@@ -182,15 +182,15 @@ pub fn calibrate(
         }
     };
     findings.retain(|finding| certain.contains(finding) || !says_more_of(finding, &certain));
-    let mut validation_runs = Vec::new();
+    let (mut validation_runs, mut not_decoupled) = (Vec::new(), Vec::new());
     let mut iteration = None;
     if let Some(chosen) = &chosen {
         let (campaign, steps) = (&prepared.campaign, &chosen.estimate.steps);
         progress.stage("holding against the standards", 1);
         evidence::hold_out(campaign, steps, &chosen.estimate.left_out, &mut trials);
         evidence::coordination(campaign, &chosen.used, &mut trials);
-        validation_runs =
-            validation::validate(campaign, &decoding(chosen), &mut trials, &mut findings);
+        (validation_runs, not_decoupled) =
+            validation::validate(campaign, &decoding(chosen), &mut trials);
         progress.part();
         if let Some(criterion) = &options.repeat {
             progress.stage("repeating", 1);
@@ -212,6 +212,8 @@ pub fn calibrate(
     if findings.is_empty() {
         let gyroscope = rig::gyroscope_reads(&facts, &cases);
         findings = failures(session, &trials, judged_by, gyroscope);
+        // Where something has been found before, that has made them fail.
+        findings.append(&mut not_decoupled);
         let decoding = chosen.as_ref().map(decoding);
         for finding in &mut findings {
             failing_run::explain(

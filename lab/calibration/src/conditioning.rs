@@ -7,6 +7,7 @@ pub mod stage;
 mod transposed;
 
 use glam::DVec3;
+use sixaxis_core::decouple::uncertainty::ZeroWander;
 use sixaxis_core::dsp::butterworth::{self, Section};
 use sixaxis_core::dsp::continued::zero_phase;
 use sixaxis_core::dsp::differentiate::Differentiator;
@@ -46,6 +47,8 @@ pub struct Conditioned {
     pub angular_shell_rad_s2: Vec<DVec3>,
     /// Samples that the outlier test replaced, over all channels.
     pub outliers: usize,
+    /// By how much noise moves each zero until the end where a high-pass is undone, standard deviations, V; 0 where none is.
+    pub zero_wander_v: [f64; LIMBS],
 }
 
 fn mean(series: &[f64]) -> f64 {
@@ -223,7 +226,22 @@ impl Conditioning {
             rate_shell_rad_s: along(channels.gyroscope_rad_s),
             angular_shell_rad_s2: along(slope),
             outliers: channels.outliers,
+            zero_wander_v: self.zero_wander_v(trial)?,
         })
+    }
+
+    fn zero_wander_v(&self, trial: &Trial) -> Result<[f64; LIMBS]> {
+        let Some(corner_hz) = self.stages.amplifier_high_pass_hz else {
+            return Ok([0.0; LIMBS]);
+        };
+        let mut white_v = [0.0; LIMBS];
+        for (limb, white_v) in white_v.iter_mut().enumerate() {
+            *white_v = trial.noise_v(limb)?;
+        }
+        let (rate_hz, levels) = (trial.sample_rate_hz, [self.level_samples(trial); LIMBS]);
+        let wander = ZeroWander::new(corner_hz, rate_hz, &white_v, &levels)?;
+        let duration_s = trial.voltage_v.len() as f64 / rate_hz;
+        Ok(wander.variance_v2(duration_s).map(f64::sqrt))
     }
 }
 

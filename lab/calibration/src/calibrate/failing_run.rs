@@ -14,7 +14,7 @@ use sixaxis_page::number::significant;
 use sixaxis_recordings::session::{Limits, Role};
 
 use super::validation::{Decoding, arm_m, compare, errors, in_sensor_axes};
-use crate::conditioning::Conditioned;
+use crate::conditioning::{Conditioned, Stage};
 use crate::diagnosis::drift::rests;
 use crate::diagnosis::raw::converter_step_v;
 use crate::finding::{Cause, Finding};
@@ -87,8 +87,11 @@ pub(super) fn explain(
         failure.evidence = format!("{}; {how}", failure.evidence);
         failure.advice = "record the run whole, from rest to rest".to_owned();
     }
-    let off = report.validation.map(|errors| worst(&errors));
-    if let (Cause::Unexplained, Some(decoding), Some(off)) = (failure.cause, decoding, off) {
+    // One that cannot be decoupled at all is as far off as can be.
+    let off = report
+        .validation
+        .map_or(f64::INFINITY, |errors| worst(&errors));
+    if let (Cause::Unexplained, Some(decoding)) = (failure.cause, decoding) {
         let run = (trial, conditioned);
         let found = noisy(prepared, decoding, run, off)
             .or_else(|| moved_zeros(&prepared.campaign, decoding, run, limits));
@@ -176,7 +179,7 @@ fn noisy(
         };
         worst(&errors(&run, arm_m(&campaign.design)))
     });
-    if by_noise <= MOST * off {
+    if by_noise <= MOST * off.min(LOST) {
         return None;
     }
     let finite = steps_v.iter().copied().filter(|v| v.is_finite());
@@ -210,8 +213,13 @@ fn noisy(
     } else {
         "find where the noise comes from, of which sixaxis inspect tells hum; "
     };
+    let undone = if conditioning.has(Stage::HighPass) {
+        ": behind a high-pass that is undone noise grows with the length of the run, and less with a rest of 2 s before it"
+    } else {
+        ""
+    };
     let advice = format!(
-        "{source}record the run in ranges that it fills, with a converter of more bits or less noise, or state the validation_percent in [limits] that this one can meet"
+        "{source}record the run in ranges that it fills, with a converter of more bits or less noise{undone}, or state the validation_percent in [limits] that this one can meet"
     );
     Some(Finding::new(Cause::Noisy, evidence, advice))
 }

@@ -27,14 +27,13 @@ pub(super) struct Decoding<'a> {
     pub limbs: Option<CalibratedLimbs>,
 }
 
-/// Decouples the validation runs and holds them against the standards.
+/// Decouples the validation runs and holds them against the standards; with them those that cannot be decoupled.
 pub(super) fn validate(
     campaign: &Campaign,
     decoding: &Decoding<'_>,
     reports: &mut [TrialReport],
-    findings: &mut Vec<Finding>,
-) -> Vec<ValidationRun> {
-    let mut validation_runs = Vec::new();
+) -> (Vec<ValidationRun>, Vec<Finding>) {
+    let (mut validation_runs, mut refused) = (Vec::new(), Vec::new());
     for ((trial, conditioned), report) in campaign.trials.iter().zip(reports) {
         if trial.role != Role::Validation {
             continue;
@@ -44,16 +43,14 @@ pub(super) fn validate(
                 report.validation = Some(errors(&run, arm_m(&campaign.design)));
                 validation_runs.push(run);
             }
-            // What made it fail has been found before, or else is news.
-            Err(error) if findings.is_empty() => {
+            Err(error) => {
                 let evidence = format!("cannot be decoupled with this calibration: {error}");
                 let advice = "look at the trial's curves in the report";
-                findings.push(Finding::new(Cause::Unexplained, evidence, advice).in_trial(trial));
+                refused.push(Finding::new(Cause::Unexplained, evidence, advice).in_trial(trial));
             }
-            Err(_) => {}
         }
     }
-    validation_runs
+    (validation_runs, refused)
 }
 
 /// The most that any axis of the validation runs departs by, decoupled so; none without one, or where one cannot be decoupled.

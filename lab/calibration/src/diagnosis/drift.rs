@@ -19,6 +19,8 @@ const NOTICED: f64 = 4e-3;
 const NOTICED_AT_REST: f64 = 1e-4;
 /// Times its standard error that a drift must exceed.
 const SIGNIFICANT: f64 = 8.0;
+/// Standard deviations by which noise moves a zero where a high-pass is undone.
+const WANDERS: f64 = 5.0;
 /// Residuals of the fit by which a mean over a short rest may be off.
 const CONTRADICTS: f64 = 4.0;
 /// Share of their peak below which the standards say that nothing moves.
@@ -126,7 +128,8 @@ pub fn examine(
             let gain = case.trial.gains.gain_n_per_v[channel];
             let limit = NOTICED * largest;
             let ends = ends_n(case, channel);
-            let by_fit = own.drift_n.abs() > limit + SIGNIFICANT * own.drift_error_n;
+            let wander_n = WANDERS * case.conditioned.zero_wander_v[channel] * gain.abs();
+            let by_fit = own.drift_n.abs() > limit + SIGNIFICANT * own.drift_error_n + wander_n;
             // In a trial that fits in with the others the fit's word is enough. In one that does not, what looks like drift may be
             // what makes it odd: then the ends have to say so, too.
             let by_ends = fits_in

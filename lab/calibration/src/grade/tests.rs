@@ -73,6 +73,7 @@ fn campaign(roles: &[Role]) -> Campaign {
             rate_shell_rad_s: Vec::new(),
             angular_shell_rad_s2: Vec::new(),
             outliers: 0,
+            zero_wander_v: [0.0; LIMBS],
         };
         (trial, conditioned)
     };

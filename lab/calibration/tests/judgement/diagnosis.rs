@@ -154,6 +154,7 @@ impl Run {
             rate_shell_rad_s: along(&rate),
             angular_shell_rad_s2: along(&angular),
             outliers: 0,
+            zero_wander_v: [0.0; LIMBS],
         };
         let trial = Trial {
             name: name.to_owned(),

@@ -259,6 +259,7 @@ fn played(index: usize, wrong: &Wrong, noise: &mut Noise) -> (Trial, Conditioned
         rate_shell_rad_s: along(&rate),
         angular_shell_rad_s2: along(&angular),
         outliers: 0,
+        zero_wander_v: [0.0; LIMBS],
     };
     let trial = Trial {
         name: format!("run {}", index + 1),

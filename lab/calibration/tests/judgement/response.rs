@@ -55,6 +55,7 @@ fn played(role: Role, direction: DVec3, linear: f64, angular: f64) -> (Trial, Co
         rate_shell_rad_s: each(&|t| -angular / omega * phase(t).cos()),
         angular_shell_rad_s2: each(&|t| angular * phase(t).sin()),
         outliers: 0,
+        zero_wander_v: [0.0; LIMBS],
     };
     (trial, conditioned)
 }

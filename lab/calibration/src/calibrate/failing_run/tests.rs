@@ -54,6 +54,7 @@ fn said(noise_v: f64, wrong: impl Fn(usize, usize, f64) -> f64) -> Option<Findin
         rate_shell_rad_s: along(&gyroscope_rad_s),
         angular_shell_rad_s2: along(&angular),
         outliers: 0,
+        zero_wander_v: [0.0; LIMBS],
     };
     let mut run = Trial {
         name: "compound".to_owned(),
