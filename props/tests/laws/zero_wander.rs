@@ -119,9 +119,12 @@ fn neg_a_filter_that_is_not_told_that_zeros_wander_states_too_small_deviations()
     for (what, aids) in all_aids() {
         let all = looks(Motion::PickAndPlace, aids, amplifier(AMPLIFIERS[1], false));
         for looks in all {
-            let squares = looks.iter().map(|c| c.attitude).sum();
-            let departure = chi_square_departure(squares, 3 * looks.len());
-            println!("{what}: {departure:.1}");
+            let (squares, n) = (looks.iter().map(|c| c.attitude).sum(), 3 * looks.len());
+            let departure = chi_square_departure(squares, n);
+            println!(
+                "{what}: squared errors over variances {:.0}",
+                squares / n as f64
+            );
             assert!(departure > tolerance::CHI_SQUARE.limit, "{what}");
         }
     }

@@ -3,6 +3,7 @@
 //! One module is one suite of evidence; see [`sixaxis_props::evidence`].
 
 mod blind;
+mod high_pass;
 mod joint;
 mod self_calibration;
 mod sessions;

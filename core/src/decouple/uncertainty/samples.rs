@@ -14,7 +14,7 @@
 //! a covariance, P' = A P + P A^T + Q. What a sample's own noise does to its own acceleration comes on top, and there the
 //! limbs' compliance counts: the mass's motion in the shell is differentiated twice, which lowers noise at 10 kHz by 14 to 26 % (the paper's sensor).
 //!
-//! Neglected: compliance in the sensitivities, some six millionths at 5 Hz; and k/m, on which a decoupled sample does not depend there.
+//! Zeros stay where they are: where they wander ([`super::zero_wander`]) [`crate::aided::ErrorFilter`] follows that. Neglected: compliance in the sensitivities, some six millionths at 5 Hz; and k/m, on which a decoupled sample does not depend there.
 //!
 //! Good to 1 % in the root mean square where the attitude is known to a hundredth of a radian, single deviations to 3.4 % (20,000 campaigns in
 //! `props`' example `propagation`); to 1.5 and 8 % up to three hundredths, to 7 and 25 % up to a tenth, beyond first order.
