@@ -312,6 +312,7 @@ fn in_laboratory(
     found.stiffness_per_mass_per_s2 = truth.stiffness_per_mass_per_s2;
     let recording = Laboratory::with_errors(truth::sensor(&truth), seed).record(run, RUN);
     let conditioning = Conditioning {
+        level_samples: None,
         stages: sixaxis_recordings::session::Preprocessing::default(),
         accelerometer_bandwidth_hz: None,
         gyroscope_bandwidth_hz: None,

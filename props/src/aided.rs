@@ -222,7 +222,7 @@ pub fn run(ride: &Ride, aids: &[Aids], times_s: &[f64], seed: u64) -> Vec<Outcom
         .expect("limbs that are not needed");
     let mut undone =
         amplifier.map(|amplifier| UndoneNoise::new(&amplifier, &[noise_v; LIMBS], rate_hz, rng));
-    let wander = amplifier.and_then(|amplifier| amplifier.wander(&noise.white_v, rate_hz));
+    let wander = amplifier.and_then(|amplifier| amplifier.wander(rate_hz));
     let new = || {
         let aided = AidedDecoupler::new(decoupler.clone(), filter.clone(), &parameters, &settings);
         let mut aided = if smooth { aided.remembering() } else { aided };

@@ -133,6 +133,7 @@ impl World {
             .partition(|(role, _)| *role == Role::Validation);
         let compound: Vec<Trial> = compound.into_iter().map(|(_, trial)| trial).collect();
         let conditioning = Conditioning {
+            level_samples: None,
             stages: Preprocessing::default(),
             accelerometer_bandwidth_hz: None,
             gyroscope_bandwidth_hz: Some(GYROSCOPE_BANDWIDTH_HZ),

@@ -11,20 +11,21 @@ use sixaxis_core::dsp::lag::UndoHighPass;
 pub struct Amplifier {
     /// Its corner, Hz.
     pub corner_hz: f64,
-    /// Samples of rest, before the first that is decoupled, whose mean is the level about which it is undone.
+    /// First samples of a recording whose mean is the level about which it is undone. The sensor need not rest: what it shows besides noise comes out
+    /// as if the level were known.
     pub samples_of_level: usize,
     /// Whether who decouples is told that zeros wander.
     pub told: bool,
 }
 
 impl Amplifier {
-    /// How zeros wander of channels with this noise, V, where that is told.
+    /// How zeros wander, where that is told.
     ///
     /// # Panics
     /// For a corner that is none.
-    pub fn wander(&self, white_v: &[f64; LIMBS], rate_hz: f64) -> Option<ZeroWander> {
+    pub fn wander(&self, rate_hz: f64) -> Option<ZeroWander> {
         let samples = [self.samples_of_level; LIMBS];
-        let wander = ZeroWander::new(self.corner_hz, rate_hz, white_v, &samples).expect("a corner");
+        let wander = ZeroWander::new(self.corner_hz, rate_hz, &samples).expect("a corner");
         self.told.then_some(wander)
     }
 }
@@ -34,11 +35,13 @@ impl Amplifier {
 pub struct UndoneNoise {
     undo: [UndoHighPass; LIMBS],
     level_v: [f64; LIMBS],
+    /// The samples that the levels are of, to come.
+    first_v: [std::vec::IntoIter<f64>; LIMBS],
     white_v: [f64; LIMBS],
 }
 
 impl UndoneNoise {
-    /// Draws how far the levels are off.
+    /// Draws the samples that the levels are means of.
     ///
     /// # Panics
     /// For a corner that is none.
@@ -49,17 +52,20 @@ impl UndoneNoise {
         rng: &mut Pcg64,
     ) -> Self {
         let undo = UndoHighPass::new(amplifier.corner_hz, rate_hz).expect("a corner");
-        let of_mean = (amplifier.samples_of_level as f64).sqrt().recip();
+        let n = amplifier.samples_of_level;
+        let first_v = white_v.map(|sd| (0..n).map(|_| sd * unit(rng)).collect::<Vec<_>>());
         Self {
             undo: [undo; LIMBS],
-            level_v: white_v.map(|sd| sd * of_mean * unit(rng)),
+            level_v: core::array::from_fn(|limb| first_v[limb].iter().sum::<f64>() / n as f64),
+            first_v: first_v.map(Vec::into_iter),
             white_v: *white_v,
         }
     }
 
     /// The next sample of a channel, V.
     pub fn next(&mut self, limb: usize, rng: &mut Pcg64) -> f64 {
-        let shown_v = self.white_v[limb] * unit(rng);
+        let first_v = self.first_v[limb].next();
+        let shown_v = first_v.unwrap_or_else(|| self.white_v[limb] * unit(rng));
         self.undo[limb].step(shown_v - self.level_v[limb]) + self.level_v[limb]
     }
 }

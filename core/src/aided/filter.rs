@@ -14,7 +14,8 @@ use super::model::{
     ATTITUDE, DYNAMIC, Dynamics, ERRORS, ErrorModel, PARAMETRIC, RATE, Transition, VELOCITY, times,
 };
 use crate::columns::matrix;
-use crate::decouple::uncertainty::{ChannelNoise, Covariance, ZeroWander};
+use crate::decouple::uncertainty::zero_wander::{Stretch, ZeroWander};
+use crate::decouple::uncertainty::{ChannelNoise, Covariance};
 use crate::error::{Result, require_not_negative};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
@@ -26,7 +27,7 @@ use crate::six_axis::SixAxis;
 /// Those that a measurement corrects: the dynamic ones, zero drifts and scale factors.
 pub(super) const CORRECTED: usize = DYNAMIC + SCALE.end;
 /// Place of the first zero's error; those of all follow upon the dynamic ones.
-const ZEROS: usize = DYNAMIC + DRIFT.start;
+pub(super) const ZEROS: usize = DYNAMIC + DRIFT.start;
 /// Innovations squared over their covariance that one of a thousand measurements of three numbers has.
 pub(super) const ONE_OF_A_THOUSAND: f64 = 16.27;
 /// Deviation of the attitude beyond which nothing of first order is to be believed, rad.
@@ -172,7 +173,7 @@ impl ErrorFilter {
 
     /// Carries the covariance over a block.
     pub fn advance(&mut self, block: &Block) {
-        let transition = self.model.transition(block);
+        let transition = self.transition(block);
         self.advance_by(block, &transition);
     }
 
@@ -211,15 +212,33 @@ impl ErrorFilter {
         if unknown_rad > TURN_RAD {
             self.bound_unknown_turns();
         }
-        let (wander, since_s) = self.wander.as_mut()?;
-        let from_s = *since_s;
-        *since_s += block.duration_s;
+        let stretch = self.stretch(block)?;
+        let noise = self.model.noise_v2_s;
         let wandered = Wandered {
-            variance_v2: wander.growth_v2(from_s, *since_s),
-            shared: self.model.shared(block, wander),
+            variance_v2: core::array::from_fn(|limb| stretch.walk_per_s[limb] * noise[limb]),
+            shared: self.model.shared(block, &stretch.shared),
         };
         wandered.add_to(&mut self.covariance);
+        if let Some((_, since_s)) = &mut self.wander {
+            *since_s += block.duration_s;
+        }
         Some(wandered)
+    }
+
+    /// What a block does to the errors.
+    pub(super) fn transition(&self, block: &Block) -> Transition {
+        match self.stretch(block) {
+            Some(stretch) if stretch.bridge_s.iter().any(|more_s| *more_s > 0.0) => {
+                self.model.transition_with(block, &stretch.bridge_s)
+            }
+            _ => self.model.transition(block),
+        }
+    }
+
+    /// How the zeros wander over the next block.
+    fn stretch(&self, block: &Block) -> Option<Stretch> {
+        let (wander, from_s) = self.wander.as_ref()?;
+        Some(wander.stretch(*from_s, from_s + block.duration_s))
     }
 
     /// The square of a measurement's innovation over its covariance: chi square with three degrees of freedom where all is as stated. None

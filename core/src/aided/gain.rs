@@ -3,7 +3,7 @@
 
 use nalgebra::{Cholesky, SMatrix, SVector};
 
-use super::filter::{CORRECTED, ErrorCovariance, Wandered};
+use super::filter::{CORRECTED, ErrorCovariance, Wandered, ZEROS};
 use super::model::{DYNAMIC, Dynamics, ERRORS, PARAMETRIC, times};
 use crate::float::sqrt;
 use crate::geometry::LIMBS;
@@ -34,13 +34,13 @@ pub(super) fn where_zeros_wander(
 ) -> Rows<DRIVEN> {
     let rows = weight(predicted).and_then(|weight| {
         let lost = times(noise, &weight);
-        let of_zeros = lost.fixed_rows::<LIMBS>(DYNAMIC).into_owned();
-        let by_zeros = by_errors.fixed_columns::<LIMBS>(DYNAMIC).into_owned();
+        let of_zeros = lost.fixed_rows::<LIMBS>(ZEROS).into_owned();
+        let by_zeros = by_errors.fixed_columns::<LIMBS>(ZEROS).into_owned();
         let of_dynamic = lost.fixed_rows::<DYNAMIC>(0) - times(&by_zeros, &of_zeros);
         let mut rows = lost * -1.0;
         rows.fixed_rows_mut::<DYNAMIC>(0)
             .copy_from(&before(by_errors, &of_dynamic)?);
-        let mut own = rows.fixed_view_mut::<LIMBS, LIMBS>(DYNAMIC, DYNAMIC);
+        let mut own = rows.fixed_view_mut::<LIMBS, LIMBS>(ZEROS, ZEROS);
         own += SMatrix::<f64, LIMBS, LIMBS>::identity();
         Some(rows)
     });
@@ -59,11 +59,11 @@ pub(super) fn noise_where_zeros_wander(
     let mut all = SMatrix::<f64, DRIVEN, DRIVEN>::zeros();
     all.fixed_view_mut::<DYNAMIC, DYNAMIC>(0, 0)
         .copy_from(noise);
-    all.fixed_view_mut::<DYNAMIC, LIMBS>(0, DYNAMIC)
+    all.fixed_view_mut::<DYNAMIC, LIMBS>(0, ZEROS)
         .copy_from(shared);
-    all.fixed_view_mut::<LIMBS, DYNAMIC>(DYNAMIC, 0)
+    all.fixed_view_mut::<LIMBS, DYNAMIC>(ZEROS, 0)
         .copy_from(&shared.transpose());
-    all.fixed_view_mut::<LIMBS, LIMBS>(DYNAMIC, DYNAMIC)
+    all.fixed_view_mut::<LIMBS, LIMBS>(ZEROS, ZEROS)
         .set_diagonal(&SVector::from(*variance_v2));
     all
 }

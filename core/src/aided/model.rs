@@ -17,7 +17,6 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::block::Block;
 use crate::columns::{cross, matrix};
-use crate::decouple::uncertainty::ZeroWander;
 pub use crate::decouple::uncertainty::error_model::{ErrorModel, PARAMETRIC};
 use crate::geometry::LIMBS;
 use crate::paper::attitude;
@@ -85,6 +84,21 @@ impl ErrorModel {
     /// What one block does to the errors.
     #[must_use]
     pub fn transition(&self, block: &Block) -> Transition {
+        self.transition_by_noise(block, &self.density)
+    }
+
+    /// The same where the integrals of the channels' noise have more variance than of white noise, by these times, s, over it.
+    pub(super) fn transition_with(&self, block: &Block, more_s: &[f64; LIMBS]) -> Transition {
+        let mut density = self.density;
+        for ((column, more_s), noise) in
+            (self.per_volt.column_iter().zip(more_s)).zip(self.noise_v2_s)
+        {
+            density += column * column.transpose() * (noise * more_s / block.duration_s);
+        }
+        self.transition_by_noise(block, &density)
+    }
+
+    fn transition_by_noise(&self, block: &Block, density: &SMatrix<f64, 6, 6>) -> Transition {
         let h = block.duration_s;
         let rate = block.rate_shell_rad_s;
         // In its middle.
@@ -120,31 +134,8 @@ impl ErrorModel {
             .copy_from(&driven);
         Transition {
             by_errors,
-            noise: self.noise(&matrix(r), h),
+            noise: noise(density, &matrix(r), h),
         }
-    }
-
-    /// White noise over a block: an integral of it in rate and velocity, a second one in attitude.
-    fn noise(&self, r: &SMatrix<f64, 3, 3>, h: f64) -> Dynamics {
-        let of = |row, column| self.density.fixed_view::<3, 3>(row, column).into_owned();
-        let (angular, linear, both) = (of(0, 0), of(3, 3), of(3, 0));
-        let mut q = Dynamics::zeros();
-        let mut put = |row: usize, column: usize, m: SMatrix<f64, 3, 3>| {
-            q.fixed_view_mut::<3, 3>(row, column).copy_from(&m);
-            q.fixed_view_mut::<3, 3>(column, row)
-                .copy_from(&m.transpose());
-        };
-        put(
-            ATTITUDE,
-            ATTITUDE,
-            r * angular * r.transpose() * (h * h * h / 3.0),
-        );
-        put(ATTITUDE, RATE, r * angular * (0.5 * h * h));
-        put(RATE, RATE, angular * h);
-        put(VELOCITY, VELOCITY, r * linear * r.transpose() * h);
-        put(VELOCITY, RATE, r * both * h);
-        put(VELOCITY, ATTITUDE, r * both * r.transpose() * (0.5 * h * h));
-        q
     }
 
     /// Covariance that a block adds of the dynamic errors with zeros that wander, by the noise that both integrate: a zero that walks up is one
@@ -152,14 +143,16 @@ impl ErrorModel {
     pub(super) fn shared(
         &self,
         block: &Block,
-        wander: &ZeroWander,
+        shared: &[f64; LIMBS],
     ) -> SMatrix<f64, DYNAMIC, LIMBS> {
         let h = block.duration_s;
         let turned = block.attitude * attitude::exp(block.rate_shell_rad_s * (-0.5 * h));
         let r = matrix(DMat3::from_quat(turned));
         let mut per_volt = self.per_volt;
-        for (mut column, shared_v2) in per_volt.column_iter_mut().zip(wander.shared_v2()) {
-            column *= -shared_v2 * h;
+        for ((mut column, shared), noise) in
+            (per_volt.column_iter_mut().zip(shared)).zip(self.noise_v2_s)
+        {
+            column *= -shared * noise;
         }
         let angular = per_volt.fixed_rows::<3>(0).into_owned();
         let linear = per_volt.fixed_rows::<3>(3).into_owned();
@@ -207,4 +200,27 @@ impl ErrorModel {
         let force = block.attitude * self.specific_force(&block.voltage_v);
         [force, block.angular_ground_rad_s2]
     }
+}
+
+/// White noise of a density over a block: an integral of it in rate and velocity, a second one in attitude.
+fn noise(density: &SMatrix<f64, 6, 6>, r: &SMatrix<f64, 3, 3>, h: f64) -> Dynamics {
+    let of = |row, column| density.fixed_view::<3, 3>(row, column).into_owned();
+    let (angular, linear, both) = (of(0, 0), of(3, 3), of(3, 0));
+    let mut q = Dynamics::zeros();
+    let mut put = |row: usize, column: usize, m: SMatrix<f64, 3, 3>| {
+        q.fixed_view_mut::<3, 3>(row, column).copy_from(&m);
+        q.fixed_view_mut::<3, 3>(column, row)
+            .copy_from(&m.transpose());
+    };
+    put(
+        ATTITUDE,
+        ATTITUDE,
+        r * angular * r.transpose() * (h * h * h / 3.0),
+    );
+    put(ATTITUDE, RATE, r * angular * (0.5 * h * h));
+    put(RATE, RATE, angular * h);
+    put(VELOCITY, VELOCITY, r * linear * r.transpose() * h);
+    put(VELOCITY, RATE, r * both * h);
+    put(VELOCITY, ATTITUDE, r * both * r.transpose() * (0.5 * h * h));
+    q
 }

@@ -168,7 +168,7 @@ fn carried(segment: &Segment<'_>) -> Vec<Step> {
     let mut events = segment.events.iter().peekable();
     let mut steps = Vec::with_capacity(segment.blocks.len());
     for (number, passed) in segment.blocks.iter().enumerate() {
-        let transition = filter.model().transition(&passed.block);
+        let transition = filter.transition(&passed.block);
         let wandered = filter.advance_by(&passed.block, &transition);
         let predicted = *filter.covariance();
         let mut updates = Vec::new();

@@ -97,9 +97,9 @@ impl<B: AsRef<[[f64; LIMBS]]> + AsMut<[[f64; LIMBS]]>> FaultTolerant<B> {
         self
     }
 
-    /// Allows for what zeros have wandered by at a time; to be called from time to time.
-    pub fn allow_for(&mut self, wander: &ZeroWander, time_s: f64) {
-        self.monitor.allow_for(wander, time_s);
+    /// Allows for what zeros have wandered by at a sample of the recording; to be called from time to time.
+    pub fn allow_for(&mut self, wander: &ZeroWander, sample: u64) {
+        self.monitor.allow_for(wander, sample);
     }
 
     /// The monitor.

@@ -32,6 +32,8 @@ pub struct Conditioning {
     pub accelerometer_bandwidth_hz: Option<f64>,
     /// Bandwidth of the gyroscope, Hz, if its lag is to be undone.
     pub gyroscope_bandwidth_hz: Option<f64>,
+    /// Samples at rest whose mean is the level of an undone high-pass; those that a trial begins with where it is not stated.
+    pub level_samples: Option<usize>,
 }
 
 /// A trial ready for identification and decoupling.
@@ -62,6 +64,7 @@ impl Conditioning {
             stages: session.preprocessing.clone(),
             accelerometer_bandwidth_hz: session.accelerometer.bandwidth_hz,
             gyroscope_bandwidth_hz: session.gyroscope.bandwidth_hz,
+            level_samples: None,
         }
     }
 
@@ -91,7 +94,10 @@ impl Conditioning {
 
     /// Samples of rest that a trial begins with, whose mean is the level about which an amplifier's high-pass is undone: of the channel that moves
     /// first, so that one transpose serves all.
-    fn level_samples(&self, trial: &Trial) -> usize {
+    pub(crate) fn level_samples(&self, trial: &Trial) -> usize {
+        if let Some(samples) = self.level_samples {
+            return samples;
+        }
         let longest = high_pass::longest_rest(trial.sample_rate_hz);
         let of = |limb: usize| trial.voltage_v.iter().map(move |row| row[limb]);
         let rests = (0..LIMBS).map(|limb| high_pass::at_rest(of(limb), longest));
@@ -239,9 +245,11 @@ impl Conditioning {
             *white_v = trial.noise_v(limb)?;
         }
         let (rate_hz, levels) = (trial.sample_rate_hz, [self.level_samples(trial); LIMBS]);
-        let wander = ZeroWander::new(corner_hz, rate_hz, &white_v, &levels)?;
-        let duration_s = trial.voltage_v.len() as f64 / rate_hz;
-        Ok(wander.variance_v2(duration_s).map(f64::sqrt))
+        let wander = ZeroWander::new(corner_hz, rate_hz, &levels)?;
+        let at_end = wander.variances(trial.voltage_v.len() as u64);
+        Ok(core::array::from_fn(|limb| {
+            white_v[limb] * at_end[limb].sqrt()
+        }))
     }
 }
 

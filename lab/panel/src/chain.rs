@@ -90,9 +90,9 @@ pub struct Chain {
     /// The low-pass of what stands beside the samples.
     filter: Option<Vec<SectionsState>>,
     decoder: Option<LiveDecoder>,
-    /// Samples that the stages have answered, and whether the decoder knows about which levels they undo a high-pass.
+    /// Samples that the stages have answered, and whether the decoder knows how zeros wander behind them.
     conditioned_samples: u64,
-    knows_levels: bool,
+    knows_wander: bool,
     /// Means at the last rest, V: the zeros where the design is decoded with.
     pub zero_v: Option<[f64; LIMBS]>,
     answer: Option<SixAxis>,
@@ -126,7 +126,7 @@ impl Chain {
             filter: None,
             decoder: None,
             conditioned_samples: 0,
-            knows_levels: false,
+            knows_wander: false,
             zero_v: None,
             answer: None,
             conditioned: [0.0; LIMBS],
@@ -191,7 +191,7 @@ impl Chain {
             FirstOrder::low_pass(corner_hz, self.sample_rate_hz).ok()
         });
         self.counting = true;
-        self.knows_levels = false;
+        self.knows_wander = false;
         (self.decoder, self.answer, self.behind) = (None, None, Behind::default());
         let card = &choice.session.sensor;
         let mut design = card.design();
@@ -247,11 +247,12 @@ impl Chain {
                 *squares += share * (value * value - *squares);
             }
         }
-        if !self.knows_levels {
-            self.knows_levels = true;
-            let levels = self.conditioning.as_ref().and_then(Conditioning::levels);
-            let refused = levels.and_then(|levels| decoder.allow_for(&levels, answered).err());
-            (self.messages).extend(refused.map(|error| format!("{error:#}")));
+        if !self.knows_wander {
+            self.knows_wander = true;
+            let wander = (self.conditioning.as_ref()).and_then(Conditioning::zero_wander);
+            wander
+                .into_iter()
+                .for_each(|wander| decoder.allow_for(wander, answered));
         }
         self.answer = decoder.push(ready);
         self.messages.append(&mut decoder.messages);

@@ -1,10 +1,10 @@
 //! Conditioned voltages to accelerations, live: the decoupler or, with the fault monitor, the decoupler that excludes limbs.
 
 use glam::DVec3;
-use sixaxis_calibration::apply::conditioning_stream::Levels;
 use sixaxis_calibration::apply::fault_watch::FaultWatch;
 use sixaxis_calibration::apply::setup::{Overrides, Setup};
 use sixaxis_calibration::calibration::Calibration;
+use sixaxis_core::decouple::uncertainty::ZeroWander;
 use sixaxis_core::paper::pose::Pose;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::parity::{COORDINATION, ROWS};
@@ -109,15 +109,11 @@ impl LiveDecoder {
         })
     }
 
-    /// Allows for zeros that wander because the stages undo a high-pass about these levels, and had answered so many samples before the first.
-    ///
-    /// # Errors
-    /// A calibration whose noise is no number.
-    pub fn allow_for(&mut self, levels: &Levels, before: u64) -> anyhow::Result<()> {
+    /// Allows for zeros that wander because the stages undo a high-pass, and had answered so many samples before the first.
+    pub fn allow_for(&mut self, wander: ZeroWander, before: u64) {
         if let Decoder::Watched(watch) = &mut self.decoder {
-            watch.allow_for(levels, before)?;
+            watch.allow_for(wander, before);
         }
-        Ok(())
     }
 
     /// Whether it has refused a sample.

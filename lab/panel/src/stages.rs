@@ -7,11 +7,10 @@ use std::collections::VecDeque;
 
 use anyhow::Result;
 use sixaxis_calibration::apply::Row;
-use sixaxis_calibration::apply::conditioning_stream::{
-    ConditioningConfig, ConditioningStream, Levels,
-};
+use sixaxis_calibration::apply::conditioning_stream::{ConditioningConfig, ConditioningStream};
 use sixaxis_calibration::apply::voltages::Voltages;
 use sixaxis_core::LIMBS;
+use sixaxis_core::decouple::uncertainty::ZeroWander;
 use sixaxis_recordings::session::Outliers;
 
 use crate::control::Stages;
@@ -93,9 +92,10 @@ impl Conditioning {
         self.unfiltered.clear();
     }
 
-    /// The levels about which a high-pass is undone, for the fault monitor.
-    pub fn levels(&self) -> Option<Levels> {
-        self.before_low_pass.as_ref().unwrap_or(&self.all).levels()
+    /// How zeros wander where a high-pass is undone, for the fault monitor.
+    pub fn zero_wander(&self) -> Option<ZeroWander> {
+        let seen = self.before_low_pass.as_ref().unwrap_or(&self.all);
+        seen.zero_wander()
     }
 
     /// The next sample that has passed.

@@ -27,6 +27,7 @@ fn played() -> &'static (Campaign, FourSteps) {
         let truth = truth::identified_parameters();
         let laboratory = Laboratory::noise_free(truth::sensor(&truth));
         let conditioning = Conditioning {
+            level_samples: None,
             stages: Preprocessing {
                 low_pass: Stage::Switch(false),
                 ..Preprocessing::default()

@@ -45,6 +45,7 @@ fn neg_what_undoing_a_high_pass_makes_of_noise_is_called_noise() {
     for seed in [501, 506] {
         let judged = day(0.5, seed);
         assert_eq!(judged.grade, Grade::Bad);
+        assert!(!judged.findings.is_empty());
         for finding in &judged.findings {
             assert_eq!(finding.cause, Cause::Noisy, "{finding:?}");
         }

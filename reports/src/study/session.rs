@@ -34,6 +34,7 @@ pub enum Preset {
 impl Preset {
     fn conditioning(self) -> Conditioning {
         Conditioning {
+            level_samples: None,
             stages: Preprocessing {
                 low_pass: match self {
                     Self::None | Self::LagUndone => Stage::Switch(false),

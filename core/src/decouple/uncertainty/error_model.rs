@@ -62,7 +62,7 @@ pub struct ErrorModel {
     tensor: DMat3,
     pub(super) inverse: DMat3,
     /// Spectral densities, per s, of each channel's noise, V^2.
-    noise_v2_s: [f64; LIMBS],
+    pub(crate) noise_v2_s: [f64; LIMBS],
     /// Spectral densities, per s, of the noise in w*' and f: 6 by 6.
     pub(crate) density: SMatrix<f64, 6, 6>,
     /// w*', rad/s^2, and f, m/s^2, per volt of each channel.

@@ -54,7 +54,6 @@ pub struct Monitor {
     zero_sd: [f64; LIMBS],
     /// Standard deviation of each zero at the first sample, V.
     zero_drift_sd_v: [f64; LIMBS],
-    step_s: f64,
     nu: f64,
     /// Tests of all three relations, and of those that are left without failed limbs.
     whole: Detector,
@@ -97,7 +96,6 @@ impl Monitor {
             per_noise: watch.noise_v.map(|sd| 1.0 / sd),
             zero_sd: core::array::from_fn(|i| watch.zero_drift_sd_v[i] / watch.noise_v[i]),
             zero_drift_sd_v: watch.zero_drift_sd_v,
-            step_s: 1.0 / settings.sample_rate_hz,
             nu: constants.nu,
             whole: Detector::new(noise, per_sample, errors)?,
             left: None,
@@ -112,17 +110,26 @@ impl Monitor {
         })
     }
 
-    /// Allows for what zeros have wandered by at a time; to be called from time to time.
-    pub fn allow_for(&mut self, wander: &ZeroWander, time_s: f64) {
-        let now_v2 = wander.variance_v2(time_s);
+    /// Allows for what zeros have wandered by at a sample of the recording; to be called from time to time.
+    pub fn allow_for(&mut self, wander: &ZeroWander, sample: u64) {
+        let now = wander.variances(sample);
         let sd_v: [f64; LIMBS] = core::array::from_fn(|limb| {
-            sqrt(self.zero_drift_sd_v[limb] * self.zero_drift_sd_v[limb] + now_v2[limb])
+            let noise_v = 1.0 / self.per_noise[limb];
+            sqrt(
+                self.zero_drift_sd_v[limb] * self.zero_drift_sd_v[limb]
+                    + noise_v * noise_v * now[limb],
+            )
         });
         self.zero_sd = core::array::from_fn(|limb| sd_v[limb] * self.per_noise[limb]);
         let per_v = &self.strains.per_v;
         let drift = core::array::from_fn(|limb| (sd_v[limb] * per_v[limb]).abs());
-        let strain2 = |of: [f64; LIMBS]| core::array::from_fn(|i| of[i] * per_v[i] * per_v[i]);
-        let steps = wander.steps_v2(self.step_s).map(strain2);
+        let strain2 = |of: [f64; LIMBS]| {
+            core::array::from_fn(|i| {
+                let noise = per_v[i] / self.per_noise[i];
+                of[i] * noise * noise
+            })
+        };
+        let steps = wander.steps().map(strain2);
         for detector in [&mut self.whole].into_iter().chain(&mut self.left) {
             detector.set_zero_errors(drift, steps);
         }

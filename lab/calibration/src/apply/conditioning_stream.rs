@@ -66,25 +66,6 @@ impl ConditioningConfig {
     }
 }
 
-/// The levels about which nine amplifiers' high-pass is undone.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Levels {
-    corner_hz: f64,
-    sample_rate_hz: f64,
-    /// Samples of rest that each is the mean of.
-    samples: [usize; LIMBS],
-}
-
-impl Levels {
-    /// How the zeros wander of channels with this white noise, V.
-    ///
-    /// # Errors
-    /// Noise that is negative or not finite.
-    pub fn zero_wander(&self, white_v: &Row) -> sixaxis_core::Result<ZeroWander> {
-        ZeroWander::new(self.corner_hz, self.sample_rate_hz, white_v, &self.samples)
-    }
-}
-
 /// The stages of nine channels, each in [`Stage::ORDER`], and what undoes their cross-talk after them.
 pub struct ConditioningStream {
     channels: [Chain; LIMBS],
@@ -263,19 +244,15 @@ impl ConditioningStream {
         })
     }
 
-    /// The levels about which a high-pass is undone: known before the first sample comes out.
+    /// How zeros wander where a high-pass is undone: known before the first sample comes out.
     #[must_use]
-    pub fn levels(&self) -> Option<Levels> {
+    pub fn zero_wander(&self) -> Option<ZeroWander> {
         let [corner_hz, sample_rate_hz] = self.undone_hz?;
         let mut samples = [0; LIMBS];
         for (samples, chain) in samples.iter_mut().zip(&self.channels) {
             *samples = *chain.samples_of_level.get()?;
         }
-        Some(Levels {
-            corner_hz,
-            sample_rate_hz,
-            samples,
-        })
+        ZeroWander::new(corner_hz, sample_rate_hz, &samples).ok()
     }
 
     /// Passes nothing through the low-pass that a channel shows while its limb is excluded.

@@ -6,6 +6,7 @@
 //! ambiguous pair, need not show: of simulated rig runs with one channel dead, four in five compound runs and all linear ones are
 //! told, of those with two plugs exchanged two in three.
 
+use sixaxis_core::decouple::uncertainty::ZeroWander;
 use sixaxis_core::paper::signal::SignalChain;
 use sixaxis_core::redundancy::parity::{COORDINATION, ROWS};
 use sixaxis_core::{LIMBS, LimbSet};
@@ -71,8 +72,11 @@ pub struct Coordination {
     of_limb_mass: f64,
     /// Sums of which no limb is excluded, or has been.
     whole: [bool; ROWS],
-    /// Variance of each sum that noise alone gives, m^2/s^4.
+    /// Variance of each sum that noise alone gives, m^2/s^4, and of each limb's force in it.
     noise: [f64; ROWS],
+    limb_noise: Row,
+    /// How zeros wander where a high-pass is undone.
+    wander: Option<ZeroWander>,
     samples: u64,
     rows: f64,
     next_verdict: f64,
@@ -92,14 +96,12 @@ impl Coordination {
     pub fn new(setup: &Setup, calibration: &Calibration) -> Self {
         let chain = SignalChain::new(&setup.sensor.gains, &setup.parameters);
         let stated_v = calibration.covariance.propagated.as_ref();
-        let noise = COORDINATION.map(|limbs| {
-            let of_limb = |limb: usize| {
-                let stated_v = stated_v.map_or(0.0, |propagated| propagated.channel_noise_v[limb]);
-                let noise_v = stated_v.max(NOISE * setup.full_scale_v);
-                (chain.sensitivity_m_s2_per_v()[limb] * noise_v).powi(2)
-            };
-            limbs.into_iter().map(of_limb).sum()
+        let limb_noise: Row = core::array::from_fn(|limb| {
+            let stated_v = stated_v.map_or(0.0, |propagated| propagated.channel_noise_v[limb]);
+            let noise_v = stated_v.max(NOISE * setup.full_scale_v);
+            (chain.sensitivity_m_s2_per_v()[limb] * noise_v).powi(2)
         });
+        let noise = COORDINATION.map(|limbs| limbs.into_iter().map(|limb| limb_noise[limb]).sum());
         let (stiffness_ratio, limit) = match &calibration.limbs {
             Some(limbs) => (limbs.stiffness_ratio, BROKEN_OWN),
             None => ([1.0; LIMBS], BROKEN),
@@ -112,6 +114,8 @@ impl Coordination {
             of_limb_mass,
             whole: [true; ROWS],
             noise,
+            limb_noise,
+            wander: None,
             samples: 0,
             rows: 0.0,
             next_verdict: FIRST_VERDICT,
@@ -123,6 +127,11 @@ impl Coordination {
             full_scale_v: setup.full_scale_v,
             said: false,
         }
+    }
+
+    /// Allows for zeros that wander.
+    pub(super) const fn allow_for(&mut self, wander: ZeroWander) {
+        self.wander = Some(wander);
     }
 
     /// Looks at the next samples, nine columns of voltages. Rows that are not finite are passed over.
@@ -177,7 +186,12 @@ impl Coordination {
         let usual = self.usual();
         core::array::from_fn(|k| {
             let variance = self.sums[k].squares / self.rows;
-            let noise = NOISE_DEVIATIONS * NOISE_DEVIATIONS * self.noise[k];
+            let wandered = self
+                .wander
+                .map_or([0.0; LIMBS], |w| w.variances(self.samples));
+            let more = COORDINATION[k].map(|limb| wandered[limb] * self.limb_noise[limb]);
+            let all = self.noise[k] + more.iter().sum::<f64>();
+            let noise = NOISE_DEVIATIONS * NOISE_DEVIATIONS * all;
             (self.whole[k] && self.rows >= FEWEST && variance > noise)
                 .then(|| (variance / (4.0 * usual)).sqrt())
         })

@@ -3,7 +3,7 @@
 mod ways;
 
 use glam::DVec3;
-use sixaxis_core::decouple::uncertainty::SampleUncertainty;
+use sixaxis_core::decouple::uncertainty::{SampleUncertainty, ZeroWander};
 use sixaxis_core::{Decoupler, Error, LIMBS, LimbSet, Settings};
 use sixaxis_recordings::Block;
 
@@ -12,7 +12,6 @@ use super::attitude::AttitudeStream;
 use super::attitude_agreement::Contradiction;
 use super::attitude_summary::AttitudeSummary;
 use super::columns::{Columns, DEVIATIONS};
-use super::conditioning_stream::Levels;
 use super::coordination::Coordination;
 use super::curves::Curves;
 use super::ends::Ends;
@@ -43,10 +42,8 @@ pub struct Decoding {
     before: Row,
     /// Decodes in the decoupler's place where failures are to be seen, and says which limbs go into [`FLAGS`], excluded or suspected.
     pub(super) watching: Option<FaultWatch>,
-    /// White noise of the channels that the attitude is followed with, V.
-    pub(super) noise_v: Row,
-    /// Whether it is known about which levels a high-pass is undone.
-    has_levels: bool,
+    /// Whether it is known how zeros wander.
+    knows_wander: bool,
     /// What such a monitor has found in a first pass, for a second one with aids.
     pub(super) watched: Option<WatchedBefore>,
     /// Checks the coordination equations: looks at the voltages before they are decoded.
@@ -85,8 +82,7 @@ impl Decoding {
             finished: false,
             before: [0.0; LIMBS],
             watching: None,
-            noise_v: [0.0; LIMBS],
-            has_levels: false,
+            knows_wander: false,
             watched: None,
             coordination: None,
             ends: None,
@@ -174,23 +170,21 @@ impl Decoding {
         self.times_s.extend(times_s);
     }
 
-    /// Allows for what undoing a high-pass makes of the channels' noise, once the stages know about which levels they undo it: before the first
-    /// sample is decoded.
-    ///
-    /// # Errors
-    /// A calibration whose noise is no number.
-    pub fn allow_for(&mut self, levels: Option<Levels>) -> sixaxis_core::Result<()> {
-        let Some(levels) = levels.filter(|_| !self.has_levels) else {
-            return Ok(());
+    /// Allows for what undoing a high-pass makes of the channels' noise: to be told before the first sample is decoded.
+    pub fn allow_for(&mut self, wander: Option<ZeroWander>) {
+        let Some(wander) = wander.filter(|_| !self.knows_wander) else {
+            return;
         };
-        self.has_levels = true;
+        self.knows_wander = true;
         if let Some(attitude) = &mut self.attitude {
-            attitude.set_zero_wander(levels.zero_wander(&self.noise_v)?);
+            attitude.set_zero_wander(wander);
         }
         if let Some(watching) = &mut self.watching {
-            watching.allow_for(&levels, 0)?;
+            watching.allow_for(wander, 0);
         }
-        Ok(())
+        if let Some(coordination) = &mut self.coordination {
+            coordination.allow_for(wander);
+        }
     }
 
     /// Decodes the next samples, nine columns of voltages, and replaces the contents of `block` with the rows they complete.

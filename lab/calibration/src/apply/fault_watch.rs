@@ -10,7 +10,6 @@ use sixaxis_core::redundancy::tolerant::{FaultTolerant, ROWS_KEPT, Watched};
 use sixaxis_core::{LIMBS, Settings, SixAxis};
 
 use super::Row;
-use super::conditioning_stream::Levels;
 use super::exclusions::{self as found, digits};
 use super::setup::Setup;
 
@@ -43,8 +42,6 @@ pub struct FaultWatch {
     samples: u64,
     /// How zeros wander, and samples that had come before the first.
     wander: Option<(ZeroWander, u64)>,
-    noise_v: Row,
-    step_s: f64,
 }
 
 impl FaultWatch {
@@ -104,20 +101,12 @@ impl FaultWatch {
             unexplained_since: None,
             samples: 0,
             wander: None,
-            noise_v: propagated.channel_noise_v,
-            step_s: 1.0 / settings.sample_rate_hz,
         })
     }
 
-    /// Allows for zeros that wander because a high-pass is undone, by samples of which so many had come before the first that is watched.
-    ///
-    /// # Errors
-    /// A calibration whose noise is no number.
-    pub fn allow_for(&mut self, levels: &Levels, before: u64) -> sixaxis_core::Result<()> {
-        if self.wander.is_none() {
-            self.wander = Some((levels.zero_wander(&self.noise_v)?, before));
-        }
-        Ok(())
+    /// Allows for zeros that wander because a high-pass is undone, so many samples before the first that is watched.
+    pub const fn allow_for(&mut self, wander: ZeroWander, before: u64) {
+        self.wander = Some((wander, before));
     }
 
     /// Limbs that are excluded.
@@ -145,8 +134,7 @@ impl FaultWatch {
         if let Some((wander, before)) = &self.wander
             && self.samples.is_multiple_of(ALLOWED_EVERY)
         {
-            let time_s = (before + self.samples) as f64 * self.step_s;
-            self.stream.allow_for(wander, time_s);
+            self.stream.allow_for(wander, before + self.samples);
         }
         let beyond = (0..LIMBS)
             .filter(|&limb| row[limb].abs() >= self.limit_v)

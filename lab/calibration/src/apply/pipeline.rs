@@ -6,9 +6,10 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, anyhow};
 use sixaxis_core::LIMBS;
+use sixaxis_core::decouple::uncertainty::ZeroWander;
 use sixaxis_recordings::{Block, Sink};
 
-use super::conditioning_stream::{ConditioningStream, Levels};
+use super::conditioning_stream::ConditioningStream;
 use super::decoding::Decoding;
 use super::recording::{Batch, Recording};
 use super::voltages::Voltages;
@@ -69,7 +70,7 @@ pub fn pass(
             named("read").spawn_scoped(scope, || read(recording, to_decode, used_batches))?;
         let writer = named("write").spawn_scoped(scope, || write(sink, blocks, empty_blocks))?;
         let mut decode_time = Duration::ZERO;
-        let mut decode = |levels: Option<Levels>,
+        let mut decode = |wander: Option<ZeroWander>,
                           voltage_v: [&[f64]; LIMBS],
                           stamps: &mut Vec<f64>|
          -> Result<bool> {
@@ -78,7 +79,7 @@ pub fn pass(
             // A filter may hold samples back; their stamps wait with the decoder.
             decoding.stamps(stamps);
             stamps.clear();
-            decoding.allow_for(levels)?;
+            decoding.allow_for(wander);
             let decoded = decoding.decode(voltage_v, &mut block);
             // Wrong attitudes may be what nothing can be decoded with.
             decoding.check_attitudes(decoded.is_err())?;
@@ -100,7 +101,11 @@ pub fn pass(
             let chunks = pending.samples() / CHUNK;
             for chunk in 0..chunks {
                 let samples = chunk * CHUNK..(chunk + 1) * CHUNK;
-                listened_to &= decode(conditioning.levels(), pending.part(samples), &mut stamps)?;
+                listened_to &= decode(
+                    conditioning.zero_wander(),
+                    pending.part(samples),
+                    &mut stamps,
+                )?;
             }
             pending.remove_first(chunks * CHUNK);
         }
@@ -112,7 +117,7 @@ pub fn pass(
             let samples = pending.samples();
             for first in (0..samples).step_by(CHUNK) {
                 let part = pending.part(first..samples.min(first + CHUNK));
-                decode(conditioning.levels(), part, &mut stamps)?;
+                decode(conditioning.zero_wander(), part, &mut stamps)?;
             }
         }
         decoding.check_attitudes(true)?;

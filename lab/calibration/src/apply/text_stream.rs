@@ -166,7 +166,7 @@ impl TextStream {
             ready.clear();
             received.push(&row);
             self.conditioning.push(&mut received, &mut ready);
-            self.decoding.allow_for(self.conditioning.levels())?;
+            self.decoding.allow_for(self.conditioning.zero_wander());
             self.decoding
                 .decode(ready.all(), &mut block)
                 .map_err(|error| {
@@ -182,7 +182,7 @@ impl TextStream {
         // What the stages still hold is answered, too.
         ready.clear();
         self.conditioning.finish(&mut ready)?;
-        self.decoding.allow_for(self.conditioning.levels())?;
+        self.decoding.allow_for(self.conditioning.zero_wander());
         if let Some(places) = &places {
             self.decoding
                 .decode(ready.all(), &mut block)

@@ -15,7 +15,7 @@ use sixaxis_recordings::session::{Limits, Role};
 
 use super::validation::{Decoding, arm_m, compare, errors, in_sensor_axes};
 use crate::conditioning::{Conditioned, Stage};
-use crate::diagnosis::drift::rests;
+use crate::diagnosis::drift::{WANDERS, rests};
 use crate::diagnosis::raw::converter_step_v;
 use crate::finding::{Cause, Finding};
 use crate::grade::{fails, worst};
@@ -30,7 +30,7 @@ use crate::trial::Trial;
 const END_PERIODS: f64 = 0.05;
 const TURNS: f64 = 0.1;
 
-/// Share of a failing run's departure that noise and rounding make at least where they are its cause.
+/// Share of a failing run's departure, and of the peak of one that is lost, that noise and rounding make at least where they are its cause.
 const MOST: f64 = 0.5;
 
 /// Departure of a run, relative, from which the open loop has lost it, and its size says nothing.
@@ -93,8 +93,12 @@ pub(super) fn explain(
         .map_or(f64::INFINITY, |errors| worst(&errors));
     if let (Cause::Unexplained, Some(decoding)) = (failure.cause, decoding) {
         let run = (trial, conditioned);
-        let found = noisy(prepared, decoding, run, off)
-            .or_else(|| moved_zeros(&prepared.campaign, decoding, run, limits));
+        let moved = || moved_zeros(&prepared.campaign, decoding, run, limits);
+        // The size of one that is lost says nothing, and noise of half its peak may be by the way.
+        let found = match off > LOST {
+            true => moved().or_else(|| noisy(prepared, decoding, run, off)),
+            false => noisy(prepared, decoding, run, off).or_else(moved),
+        };
         if let Some(found) = found {
             failure.cause = found.cause;
             failure.channels = found.channels;
@@ -145,7 +149,9 @@ fn noisy(
     let steps_v: [f64; LIMBS] = core::array::from_fn(|i| converter_step_v(trial, i));
     let deviations_v = deviations_v(&steps_v, rest);
     let quiet = following(campaign, decoding, trial, conditioned)?;
-    let conditioning = for_role(&prepared.conditioning, trial.role);
+    // About a level of as many samples as the recorded trial's: conditioning is linear then.
+    let mut conditioning = for_role(&prepared.conditioning, trial.role);
+    conditioning.level_samples = Some(conditioning.level_samples(trial));
     let conditioned_of = |voltage_v: Vec<[f64; LIMBS]>| {
         let trial = Trial {
             voltage_v,
@@ -260,6 +266,11 @@ fn moved_zeros(
     let moved_v: [f64; LIMBS] = core::array::from_fn(|i| {
         0.5 * (mean_of(first, i) + mean_of(last, i)) - decoding.parameters.zero_drift_v[i]
     });
+    // Noise moves them where a high-pass is undone.
+    let by_noise_v = conditioned.zero_wander_v.map(|sd_v| WANDERS * sd_v);
+    if (0..LIMBS).all(|i| moved_v[i].abs() <= by_noise_v[i]) {
+        return None;
+    }
     let put_right = Conditioned {
         voltage_v: rows
             .iter()

@@ -11,7 +11,7 @@ use sixaxis_core::dsp::stage::Stage;
 pub(crate) const BASELINE: usize = 16;
 
 /// Standard deviations of its mean by which the next [`BASELINE`] samples are off the level where the rest has ended.
-const DEPARTS: f64 = 4.0;
+const DEPARTS: f64 = 5.0;
 
 /// Share of a rest that has ended which is taken: a motion that has just begun may hide in the noise.
 const TAKEN: f64 = 0.75;

@@ -20,7 +20,7 @@ const NOTICED_AT_REST: f64 = 1e-4;
 /// Times its standard error that a drift must exceed.
 const SIGNIFICANT: f64 = 8.0;
 /// Standard deviations by which noise moves a zero where a high-pass is undone.
-const WANDERS: f64 = 5.0;
+pub(crate) const WANDERS: f64 = 5.0;
 /// Residuals of the fit by which a mean over a short rest may be off.
 const CONTRADICTS: f64 = 4.0;
 /// Share of their peak below which the standards say that nothing moves.

@@ -90,7 +90,6 @@ impl Job<'_> {
                     .error_filter(self.calibration, settings, self.excluded, down_rad);
             match filter {
                 Ok((filter, channels)) if aided => {
-                    decoding.noise_v = channels.white_v;
                     let noise = self
                         .uncertainty
                         .then(|| SampleNoise::new(self.setup, settings, self.excluded, &channels))
@@ -117,8 +116,7 @@ impl Job<'_> {
                     }
                     decoding.attitude = Some(attitude.written_to(self.columns));
                 }
-                Ok((filter, channels)) => {
-                    decoding.noise_v = channels.white_v;
+                Ok((filter, _)) => {
                     let until_deg = self.until_sd_deg;
                     let beside = AttitudeStream::beside(filter, settings, until_deg, !watches);
                     decoding.attitude = Some(beside.written_to(self.columns));
