@@ -44,7 +44,7 @@ fn inv_a_samples_noise_is_of_the_grounds_axes_with_aids_too() {
 }
 
 /// Where a high-pass is undone deviations come from the filter that knows how zeros wander: with a corner at which they do not, as without, a
-/// low-pass or none.
+/// low-pass or none, but for what down, known to 0.1°, and second order make of them.
 #[test]
 fn inv_zeros_that_wander_are_in_the_deviations() {
     let folder = Folder::new("decouple-deviations-wander");
@@ -78,7 +78,7 @@ fn inv_zeros_that_wander_are_in_the_deviations() {
         let still = deviations(Some(1e-6), low_pass);
         for (none, still) in none[..3].iter().flatten().zip(still[..3].iter().flatten()) {
             let ratio = still / none;
-            assert!((0.85..1.2).contains(&ratio), "{low_pass:?}: {ratio} times");
+            assert!((0.8..1.3).contains(&ratio), "{low_pass:?}: {ratio} times");
         }
     }
     let last = |corner_hz| {
