@@ -93,12 +93,8 @@ pub(super) fn explain(
         .map_or(f64::INFINITY, |errors| worst(&errors));
     if let (Cause::Unexplained, Some(decoding)) = (failure.cause, decoding) {
         let run = (trial, conditioned);
-        let moved = || moved_zeros(&prepared.campaign, decoding, run, limits);
-        // The size of one that is lost says nothing, and noise of half its peak may be by the way.
-        let found = match off > LOST {
-            true => moved().or_else(|| noisy(prepared, decoding, run, off)),
-            false => noisy(prepared, decoding, run, off).or_else(moved),
-        };
+        let found = noisy(prepared, decoding, run, off)
+            .or_else(|| moved_zeros(&prepared.campaign, decoding, run, limits));
         if let Some(found) = found {
             failure.cause = found.cause;
             failure.channels = found.channels;

@@ -43,8 +43,8 @@ fn inv_a_samples_noise_is_of_the_grounds_axes_with_aids_too() {
     assert!(least > 0.9 && most < 1.2, "{least} to {most} times");
 }
 
-/// Where a high-pass is undone deviations come from the filter that knows how zeros wander: with a corner at which they do not, as without, a
-/// low-pass or none, but for what down, known to 0.1°, and second order make of them.
+/// Where a high-pass is undone deviations come from the filter that knows how zeros wander: with a corner at which they do not, in the
+/// median as without, a low-pass or none; down, known to 0.1°, and second order make more of them at the end.
 #[test]
 fn inv_zeros_that_wander_are_in_the_deviations() {
     let folder = Folder::new("decouple-deviations-wander");
@@ -76,10 +76,12 @@ fn inv_zeros_that_wander_are_in_the_deviations() {
     for low_pass in [&[][..], &["--low-pass", "100"]] {
         let none = deviations(None, low_pass);
         let still = deviations(Some(1e-6), low_pass);
-        for (none, still) in none[..3].iter().flatten().zip(still[..3].iter().flatten()) {
-            let ratio = still / none;
-            assert!((0.8..1.3).contains(&ratio), "{low_pass:?}: {ratio} times");
-        }
+        let pairs = none[..3].iter().flatten().zip(still[..3].iter().flatten());
+        let mut ratios: Vec<f64> = pairs.map(|(none, still)| still / none).collect();
+        ratios.sort_by(f64::total_cmp);
+        let ratio = ratios[ratios.len() / 2];
+        println!("{low_pass:?}: {ratio} times");
+        assert!((0.9..1.15).contains(&ratio), "{low_pass:?}: {ratio} times");
     }
     let last = |corner_hz| {
         let attitude = &deviations(corner_hz, &[])[3];
