@@ -88,7 +88,7 @@ fn inv_zeros_that_wander_are_in_the_deviations() {
         attitude.last().copied().expect("rows")
     };
     let (none, wandering) = (last(None), last(Some(0.1)));
-    assert!(wandering > 2.0 * none, "{wandering} rad, {none} without");
+    assert!(wandering > 1.4 * none, "{wandering} rad, {none} without");
 }
 
 /// Deviations know the calibration's noise: a recording of more of it is told, one of as much is not.
